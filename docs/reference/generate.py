@@ -428,7 +428,7 @@ FILE_MODULES: Mapping[str, tuple[str, ...]] = {  # the rooms of scan/ by what th
     "formats": ("scan/file_type.py", "scan/formats/**/*.py", "scan/point_clouds/*.py"),
     "colours": ("scan/pictures/*.py", "scan/piece.py"),
     "label maps": ("scan/volumes/**/*.py",),
-    "images": ("scan/images/*.py", "scan/kept_image.py"),
+    "images": ("scan/images/**/*.py", "scan/kept_image.py"),
     "landmark files": ("scan/landmarks/*.py",),
     "cuts and orientation": (
         *(f"scan/{name}.py" for name in ("clean", "hand_cuts", "caps", "around/*", "orient", "scan", "stored_scan")),

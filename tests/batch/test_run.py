@@ -13,7 +13,7 @@ import pytest
 from helpers import fake_batch
 
 from breastrig.batch.manifest import BatchRow
-from breastrig.batch.run import DIED, Batch, BatchStopped, exclusive, run_batch
+from breastrig.batch.run import DIED, Batch, BatchStopped, _fit_of, _inputs, exclusive, run_batch
 from breastrig.batch.table import Outcome, write_table
 from breastrig.batch.task import FitOfBytes, fit_of_bytes
 from breastrig.core.errors import BadSettings
@@ -72,6 +72,30 @@ def test_what_a_landmark_file_calls_certain_reaches_the_fit() -> None:
     for landmarks, expected in ((picks, b"umbilicus"), (picks.replace(b'"umbilicus"]', b"]"), b""), (None, b"")):
         task = FitOfBytes(b"", ".ply", landmarks, "", FitSettings(), units="mm")
         assert fit_of_bytes(task, runner) == {"certain": expected}
+
+
+def test_an_mri_is_read_by_the_worker_itself_where_it_has_the_same_disk(tmp_path: Path) -> None:
+    """Up to nine zips of 1 GB would else be in memory."""
+    mri, mesh = tmp_path / "mri.zip", tmp_path / "scan.ply"
+    mri.write_bytes(b"PK\x03\x04 fine")
+    mesh.write_bytes(b"ply")
+    rows = [BatchRow(each.stem, each, None, "auto", FitSettings()) for each in (mri, mesh)]
+    given = {
+        is_here: [_fit_of(Batch(rows, tmp_path, "", is_here=is_here), row) for row in rows] for is_here in (True, False)
+    }
+    assert [task.scan for task in given[True]] == [mri, b"ply"]
+    assert [task.scan for task in given[False]] == [mri.read_bytes(), b"ply"]
+    batch = Batch(rows, tmp_path, "")
+    here, elsewhere = ([_inputs(batch, *each) for each in zip(rows, tasks, strict=True)] for tasks in given.values())
+    assert here == elsewhere
+
+    def runner(job: FitJob) -> Iterator[Event]:
+        job.out.mkdir()
+        (job.out / "scan").write_bytes(job.scan.read_bytes())
+        return iter(())
+
+    assert fit_of_bytes(given[True][0], runner) == {"scan": mri.read_bytes()}
+    assert mri.exists()
 
 
 def test_only_what_failed_is_missing_or_has_changed_is_done_again(processes: TaskQueue, tmp_path: Path) -> None:

@@ -131,7 +131,7 @@ def test_a_person_may_say_otherwise() -> None:
     assert scan.segments[1].why == "A person said so."
     check(scan.in_metres)
     for given, sentence in (
-        ({3: "lesion"}, "There is no segment 3 in this label map; it has 1, 2."),
+        ({3: "lesion"}, "There is no segment 3 in this file; it has 1, 2."),
         ({2: "skin"}, "A segment can be lesion, tissue or unused"),
         ({1: "lesion"}, "Segment 1 can be no lesion: it is more than 160 mm across"),
         ({1: "unused"}, "This label map shows no body"),

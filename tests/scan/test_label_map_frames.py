@@ -154,12 +154,12 @@ def test_the_command_line_names_the_option_that_answers(
     assert main([command, str(tmp_path / "map.nii"), "-o", str(out)]) == 2
     said = capsys.readouterr().err
     assert "does not say which side is left" in said
-    assert "--frame RAS (axes to right, front, head; Lesion 1 left) or --frame LAS" in said
+    assert "\n  --frame RAS (axes to right, front, head; Lesion 1 left)\n  --frame LAS" in said
     assert not out.exists()
     assert main([command, str(tmp_path / "map.nii"), "-o", str(out), "--frame", "RXS"]) == 2
     assert "This is no frame" in capsys.readouterr().err
     assert main([command, str(tmp_path / "map.nii"), "-o", str(out), "--frame", "RAS", "--segment", "9=lesion"]) == 2
-    assert "There is no segment 9 in this label map; it has 1, 2, 3." in capsys.readouterr().err
+    assert "There is no segment 9 in this file; it has 1, 2, 3." in capsys.readouterr().err
 
 
 def test_the_terminal_shows_what_the_file_calls_its_segments(

@@ -1,6 +1,6 @@
 from helpers.mr_image import mr_image
 
-from breastrig.scan.images.skin_of_image import skin_of_image
+from breastrig.scan.images.skin.skin_of_image import skin_of_image
 from breastrig_studies.virtual.magnetic.image_skin import HEADS, found_in, row
 
 

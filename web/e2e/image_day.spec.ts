@@ -67,6 +67,7 @@ test("dropped together: image, lesion and scans become one patient, the lesion i
     expect(seen.air).toBeLessThan(20);
     expect(seen.lesion).toBeGreaterThan(60);
     const picture = page.locator(".is-axial .slice-picture");
+    await expect(picture).toHaveAccessibleName(/comma and full stop darken and lighten its image/);
     await picture.press("Comma");
     await expect.poll(async () => (await greyAtBall(page)).lesion, "darker").toBeLessThan(seen.lesion);
     await picture.press("0");

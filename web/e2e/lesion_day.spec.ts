@@ -109,6 +109,7 @@ test("an MRI stands in three slices and as a body with one cross: sides, places 
     expect(height).toBeCloseTo(0.5, 1); // still 35 mm to the front
     const before = await cross();
     const axial = page.locator(".is-axial .slice-picture");
+    await expect(axial, "a label map has no image to darken").toHaveAccessibleName(/^Axial slice\. Arrow keys .* zoom; Enter enlarges\.$/);
     await axial.focus();
     for (const key of ["ArrowRight", "ArrowRight", "Shift+ArrowUp", "PageUp"]) await page.keyboard.press(key);
     expect(await cross()).toEqual([before[0]! + 2, before[1]! - 5, before[2]! + 1]);

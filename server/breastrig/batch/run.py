@@ -33,7 +33,7 @@ from breastrig.core.version import __version__
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.files.result import FIT_FILES, RESULT, RESULT_SCHEMA
-from breastrig.scan.images.dicom_files import may_hold_dicom, zip_of_folder
+from breastrig.scan.images.dicom_files import may_hold_dicom, sha256_of, zip_of_folder
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.limits import FILE_BYTES, IMAGE_ZIP_BYTES
 from breastrig.scan.volumes.answers import VolumeAnswers
@@ -62,6 +62,7 @@ class Batch:
     runner: Runner = measured_fit
     wall_s: float = FitLimits().wall_s
     force: bool = False  # replace also what no batch has written
+    is_here: bool = False  # the workers have this machine's disk
     ahead: int = SPARE  # tasks at most that the executor is given beside those that it can run at once
 
 
@@ -147,11 +148,11 @@ def _looked_at(batch: Batch, row: BatchRow) -> _Ready | Outcome:
     """The row with its inputs and its task; or its outcome, where nothing is left to do."""
     try:
         task = _fit_of(batch, row)
+        inputs = _inputs(batch, row, task)
     except BadInput as error:
         return Outcome(row.name, str(error))
     except OSError as error:
         return Outcome(row.name, f"The files of this row cannot be read any more ({error.strerror}).")
-    inputs = _inputs(batch, task)
     found = None if batch.again else _found(batch.folder / row.name, inputs)
     if found is not None:
         return found
@@ -164,7 +165,7 @@ def _looked_at(batch: Batch, row: BatchRow) -> _Ready | Outcome:
 
 def _fit_of(batch: Batch, row: BatchRow) -> FitOfBytes:
     return FitOfBytes(
-        scan=scan_bytes(row.scan),
+        scan=row.scan if batch.is_here and may_hold_dicom(row.scan) else scan_bytes(row.scan),
         ending=row.scan.suffix,
         landmarks=read_ordinary(row.landmarks, LIMIT_BYTES) if row.landmarks else None,
         landmarks_ending=row.landmarks.suffix if row.landmarks else "",
@@ -185,11 +186,11 @@ def scan_bytes(scan: Path) -> bytes:
     return read_ordinary(scan, IMAGE_ZIP_BYTES if may_hold_dicom(scan) else FILE_BYTES)
 
 
-def _inputs(batch: Batch, task: FitOfBytes) -> dict[str, Any]:
+def _inputs(batch: Batch, row: BatchRow, task: FitOfBytes) -> dict[str, Any]:
     """Everything that a result depends on; no file names."""
     return {
         "schema": INPUTS_SCHEMA,
-        "scan_sha256": _sha256(task.scan),
+        "scan_sha256": sha256_of(row.scan if row.scan.is_dir() else task.scan),
         "landmarks_sha256": _sha256(task.landmarks),
         "units": task.units,
         "stance": task.settings.stance,

@@ -1,7 +1,11 @@
-"""One fit of a batch in a worker: bytes in, bytes out, so that a worker needs no disk in common with anyone."""
+"""One fit of a batch in a worker: bytes in, bytes out, so that a worker needs no disk in common with anyone.
+
+Only large images are read by the workers of this machine themselves.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 from breastrig.batch.table import MEASURES
 from breastrig.core.arrays import Array
@@ -24,7 +28,7 @@ Runner = Callable[[FitJob], Iterator[Event]]
 class FitOfBytes:
     """The inputs of `breastrig fit`, with the files' contents in the place of their names."""
 
-    scan: bytes
+    scan: bytes | Path  # the path where the worker has the same disk, of a zip or folder that may be an MRI
     ending: str  # of the scan's name, as in .ply
     landmarks: bytes | None
     landmarks_ending: str
@@ -56,8 +60,9 @@ def measured_fit(job: FitJob) -> Iterator[Event]:
 def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:
     """The files that a fit leaves, by name.  Raises a BreastRigError when it cannot be done."""
     with scratch_folder() as folder:
-        scan = folder / f"scan{task.ending}"
-        scan.write_bytes(task.scan)
+        scan = folder / f"scan{task.ending}" if isinstance(task.scan, bytes) else task.scan
+        if isinstance(task.scan, bytes):
+            scan.write_bytes(task.scan)
         picks = task.picks()
         own = {"landmark_confidence": picks.confidence, "certain": picks.certain}
         if task.preset_file is not None:

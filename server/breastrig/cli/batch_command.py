@@ -93,6 +93,7 @@ def run(options: argparse.Namespace) -> int:
         prior=None if prior is None else prior.content(),
         runner=measured_fit,
         force=options.force,
+        is_here=options.scheduler is None,
         ahead=ahead,
     )
     with exclusive(options.output):

@@ -25,6 +25,7 @@ from typing import Any
 
 SHOWN = 100  # characters of a wrong word that are repeated
 LISTED = 12  # wrong words
+CHOICES = 4  # answers in a sentence
 
 
 class BreastRigError(Exception):
@@ -51,16 +52,24 @@ class NeedsAnswer(BadScan):
         self.question = question
 
     def on_command_line(self) -> str:
-        """The sentence with the option's name as it is typed."""
-        return f"{self.problem}; {_say_which(self.question, '--' + str(self.question['field']).replace('_', '-'))}"
+        """The sentence with the option's name as it is typed; many answers, each on a line."""
+        option = "--" + str(self.question["field"]).replace("_", "-")
+        if len(self.question["choices"]) <= CHOICES:
+            return f"{self.problem}; {_say_which(self.question, option)}"
+        return "\n  ".join([f"{self.problem}; say which it is:", *_each(self.question, option)])
 
     def __reduce__(self) -> tuple[type["NeedsAnswer"], tuple[str, dict[str, Any]]]:
         return NeedsAnswer, (self.problem, self.question)
 
 
 def _say_which(question: dict[str, Any], option: str) -> str:
-    choices = " or ".join(f"{option} {each['value']} ({each['text']})" for each in question["choices"])
-    return f"say which it is: {choices}."
+    choices = _each(question, option)
+    more = [f"one of {len(choices) - CHOICES} more, which breastrig fit lists"] if len(choices) > CHOICES else []
+    return f"say which it is: {' or '.join([*choices[:CHOICES], *more])}."
+
+
+def _each(question: dict[str, Any], option: str) -> list[str]:
+    return [f"{option} {each['value']} ({each['text']})" for each in question["choices"]]
 
 
 class NeedsYes(BadInput):

@@ -277,7 +277,12 @@ class ResultFile(Document):
     areolae: dict[str, ResultAreola | None] = Field(
         {}, exclude_if=not_, description="by side, null where none is seen; absent for a scan without texture"
     )
-    lesions: list[ResultLesion] = Field([], exclude_if=not_, description="of a label map")
+    lesions: list[ResultLesion] = Field(
+        [],
+        exclude_if=not_,
+        description="shown by the scan's file and by files of lesions fitted with it; those that are added or moved "
+        "later are in the plan alone",
+    )
     wall: ResultWall | None = Field(
         None, exclude_if=not_, description="the chest wall, where the scan's file names it; else it is estimated"
     )

@@ -1,8 +1,10 @@
 """Lesions of a file of their own lie in the image that they were drawn on, or a person is asked."""
 
 import base64
+import gzip
 import io
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -321,6 +323,37 @@ def test_without_an_image_it_is_said_what_is_missing() -> None:
     ):
         with pytest.raises(BadScan, match=sentence):
             read_scan(data)
+
+
+def test_a_zip_or_folder_of_an_image_and_its_segmentation(tmp_path: Path) -> None:
+    """Of any format on either side: the one image is the scan, the other files are its lesions."""
+    grey = np.asfortranarray(image().image.values.astype(np.float32))
+    series = dicom_files.Series(image().image)
+    dicom = dicom_files.files(series)
+    seg_nrrd, seg_dicom = as_nrrd(mask(), affine()), dicom_files.lesion_seg(series, image().lesion)
+    for content in (
+        {"image.nrrd": as_nrrd(grey, affine()), "Segmentation.seg.nrrd": seg_nrrd},
+        {"a/label.nii.gz": gzip.compress(as_nifti(mask(), affine())), "image.nii": as_nifti(grey, affine())},
+        {"image.nrrd": as_nrrd(grey, affine()), "SEG": seg_dicom, "notes.txt": b"Hello"},
+        dicom | {"Segmentation.seg.nrrd": seg_nrrd},
+    ):
+        for source in (
+            zipped(content),
+            dicom_files.foldered(content, tmp_path / str(len(content)) / next(iter(content))),
+        ):
+            scan = read_scan(source)
+            assert scan.from_image
+            (lesion,) = scan.lesions
+            assert 1e3 * lesion.center == pytest.approx(image().lesion_at, abs=0.5)
+    damaged = read_scan(zipped({"image.nrrd": as_nrrd(grey, affine()), "lesion.seg.nrrd": seg_nrrd[:-40]}))
+    assert damaged.lesions == ()
+    assert any(note.startswith("A segmentation beside the image was left out: ") for note in damaged.notes)
+    with pytest.raises(
+        BadScan, match="holds 2 label maps or volumes, and not one image among them; pack one image with"
+    ):
+        read_scan(zipped({"1.nrrd": as_nrrd(grey, affine()), "2.nrrd": as_nrrd(grey, affine())}))
+    with pytest.raises(BadSettings, match="series is for those alone"):
+        read_scan(zipped({"1": as_nrrd(grey, affine()), "2": seg_nrrd}), answers=checked_answers(None, series="0"))
 
 
 def test_a_lesion_in_one_slice_of_a_dicom_segmentation() -> None:

@@ -101,6 +101,22 @@ def test_the_command_line_names_the_option(
     assert "--again" in capsys.readouterr().err
 
 
+def test_of_many_series_a_sentence_names_the_first_and_the_command_line_lists_all(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    many = files(*(Series(chest_image(), f"t1 {number}", number) for number in range(1, 8)))
+    folder = foldered(many, tmp_path / "mri")
+    with pytest.raises(NeedsAnswer) as caught:
+        read_scan(folder)
+    values = [each["value"] for each in caught.value.question["choices"]]
+    assert [value in str(caught.value) for value in values] == [True] * 4 + [False] * 3
+    assert str(caught.value).endswith(" or one of 3 more, which breastrig fit lists.")
+    assert main(["fit", str(folder), "-o", str(tmp_path / "out")]) == 2
+    first, *lines = capsys.readouterr().err.splitlines()
+    assert first == "breastrig: These DICOM files hold several series that show a volume; say which it is:"
+    assert [line.partition(" (")[0] for line in lines] == [f"  --series {value}" for value in values]
+
+
 def test_a_batch_has_a_column(content: dict[str, bytes], tmp_path: Path, rig: Rig) -> None:
     folder = foldered(content, tmp_path / "mri")
     _, chosen = asked(folder)

@@ -7,9 +7,9 @@ from helpers.mr_image import mr_image
 
 from breastrig.core.errors import BadScan
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.scan.images import cells, skin_of_image
 from breastrig.scan.images.image import ImageVolume
-from breastrig.scan.images.nipples import nipples_on
+from breastrig.scan.images.skin import cells, skin_of_image
+from breastrig.scan.images.skin.nipples import nipples_on
 from breastrig_studies.virtual.magnetic.coverage import coverage
 from breastrig_studies.virtual.magnetic.image import PLAIN, MrImage
 from breastrig_studies.virtual.magnetic.image import mr_image as image_of

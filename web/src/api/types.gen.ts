@@ -1290,7 +1290,7 @@ export type ResultFile = {
   landmarks_picked: Record<string, [number, number, number]>;
   /** by side, null where none is seen; absent for a scan without texture */
   areolae?: Record<string, ResultAreola | null>;
-  /** of a label map */
+  /** shown by the scan's file and by files of lesions fitted with it; those that are added or moved later are in the plan alone */
   lesions?: ResultLesion[];
   /** the chest wall, where the scan's file names it; else it is estimated */
   wall?: ResultWall | null;

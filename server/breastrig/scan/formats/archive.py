@@ -63,6 +63,10 @@ NO_MESH = (
     "This zip holds no mesh and no volume; pack exactly one OBJ, PLY, STL or GLB with its pictures, one label map "
     "(NIfTI, NRRD, MetaImage, DICOM SEG), or the DICOM files of an MRI."
 )
+SEVERAL_MAPS = (
+    "This zip holds {count} label maps or volumes, and not one image among them; pack one image with its "
+    "segmentations, or the label map that is meant alone."
+)
 SEVERAL_SCANS = "This zip holds {count} scans that have nothing to do with one another; pack one of them alone."
 SAME_SCAN = "The zip holds this scan {count} times; the {kind} with the most on it was read."
 
@@ -232,7 +236,7 @@ def _volume(reader: _Reader, entries: list[Entry]) -> Unpacked | None:
         kinds[volume_kind(reader.start(entry))].append(entry)
     maps = kinds["label map"]
     if len(maps) > 1:
-        raise BadScan(f"This zip holds {len(maps)} label maps or volumes; pack the one that is meant alone.")
+        raise BadScan(SEVERAL_MAPS.format(count=len(maps)))
     chosen = next(iter([*maps, *kinds["structures"], *kinds["dicom"], *kinds["other"]]), None)
     if chosen is None:
         return None

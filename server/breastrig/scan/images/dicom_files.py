@@ -1,18 +1,18 @@
-"""The DICOM files of a folder or zip, known by their bytes, for on hospitals' media names say nothing."""
+"""The volumes' files of a folder or zip, known by their bytes, for on hospitals' media names say nothing."""
 
 import hashlib
 import os
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from io import BytesIO
 from pathlib import Path
 
 from breastrig.core.errors import BadScan, TooLarge
 from breastrig.core.private_files import read_ordinary
-from breastrig.scan.file_type import LOOKED_AT, is_dicom
+from breastrig.scan.file_type import LOOKED_AT, is_dicom, volume_kind
 from breastrig.scan.formats.archive import (
     DAMAGED,
     MESH_RANK,
@@ -32,6 +32,7 @@ from breastrig.scan.limits import (
     ZIP_RATIO,
     ZIP_RATIO_FROM,
 )
+from breastrig.scan.volumes.gzipped import GZIP_START, first_bytes
 
 ZIP_START = b"PK\x03\x04"
 ALONE = "give the series that is meant alone"
@@ -41,10 +42,11 @@ TOO_LONG = f"A DICOM file has more than the {IMAGE_FILE_BYTES // MEBIBYTE} MB al
 
 @dataclass(frozen=True, eq=False)
 class DicomFile:
-    """A file whose first bytes are those of DICOM."""
+    """A file whose first bytes are those of DICOM, or of a volume of another format."""
 
     size: int  # bytes, as its folder or zip says
     read: Callable[[int], bytes]  # at most so many of its first bytes; BadScan where it is damaged
+    is_grid: bool = False  # NIfTI, NRRD or MetaImage, perhaps packed as .gz
 
     def whole(self) -> bytes:
         """All of its bytes.  BadScan, TooLarge."""
@@ -59,7 +61,7 @@ def one_file(data: bytes) -> DicomFile:
 
 @contextmanager
 def dicom_files(source: Path | bytes) -> Iterator[list[DicomFile]]:
-    """The DICOM files of a folder or of a zip that holds no mesh; none of every other file.
+    """The DICOM files and other volumes of a folder or of a zip that holds no mesh; none of every other file.
 
     They can be read while the context lasts.  Raises BadScan or TooLarge.
     """
@@ -136,12 +138,22 @@ def _in_folder(folder: Path) -> list[DicomFile]:
                         folders.append(Path(entry.path))
                     elif entry.is_file(follow_symlinks=False):
                         file = DicomFile(entry.stat(follow_symlinks=False).st_size, partial(_start, Path(entry.path)))
-                        found += [(entry.path, file)] if is_dicom(file.read(LOOKED_AT)) else []
+                        found += [(entry.path, each) for each in _volume(file)]
         except OSError as error:
             raise BadScan(f"This folder cannot be read ({error.strerror}); check who may read it.") from error
     if len(found) > IMAGE_FILES:
         raise TooLarge(TOO_MANY)
     return [file for _, file in sorted(found, key=lambda each: each[0])]
+
+
+def _volume(file: DicomFile) -> tuple[DicomFile, ...]:
+    """The file with what it holds, if that is a volume."""
+    start = file.read(LOOKED_AT)
+    if is_dicom(start):
+        return (file,)
+    start = first_bytes(start) if start.startswith(GZIP_START) else start
+    is_grid = volume_kind(start) == "label map" and not is_dicom(start)
+    return (replace(file, is_grid=True),) if is_grid else ()
 
 
 def _start(file: Path, count: int) -> bytes:
@@ -165,9 +177,8 @@ def _in_zip(archive: zipfile.ZipFile) -> list[DicomFile]:
         return []
     found = []
     for info in (entry.info for entry in entries if entry.info.compress_type in PACKINGS):
-        file = DicomFile(info.file_size, partial(_unpacked, archive, info))
-        if is_dicom(file.read(LOOKED_AT)):
-            if info.file_size > max(ZIP_RATIO_FROM, ZIP_RATIO * info.compress_size):
+        for file in _volume(DicomFile(info.file_size, partial(_unpacked, archive, info))):
+            if not file.is_grid and info.file_size > max(ZIP_RATIO_FROM, ZIP_RATIO * info.compress_size):
                 raise TooLarge(
                     f"A file in this zip is packed more than {ZIP_RATIO} times; pack it with less compression."
                 )

@@ -1,18 +1,24 @@
-"""The MR image that DICOM files hold; where they hold several series a person says which."""
+"""The MR image that the files of a folder or zip hold; where they hold several series a person says which."""
 
 import importlib.util
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
-from breastrig.core.errors import BadScan, BadSettings
+from breastrig.core.errors import BadInput, BadScan, BadSettings
+from breastrig.scan.file_type import file_type_of
 from breastrig.scan.images.dicom_files import DicomFile, dicom_files, one_file
 from breastrig.scan.images.dicom_headers import Header, header_of
 from breastrig.scan.images.dicom_pixels import volume_of
 from breastrig.scan.images.dicom_series import TOO_FEW, Found, stacks_of
 from breastrig.scan.images.image import ImageVolume
 from breastrig.scan.images.series_question import which_series
+from breastrig.scan.untrusted import guarded
 from breastrig.scan.volumes.answers import VolumeAnswers
+from breastrig.scan.volumes.grids.grid import Grid
+from breastrig.scan.volumes.gzipped import GZIP_START, gunzipped
+from breastrig.scan.volumes.volume_files import read_volume
 
 NEEDS = 'DICOM images need "breastrig[mri]"; install it, or export the skin as PLY, STL or OBJ.'
 NO_DICOM = "This folder holds no DICOM files; give the folder of an MRI, or a scan's own file."
@@ -21,7 +27,7 @@ SEVERAL_MAPS = "This folder holds several DICOM segmentations and no MR image; g
 BESIDE = ("segmentation", "structures")
 SEGMENTATIONS = 20  # files beside an image
 
-
+NO_SERIES = "This file is no DICOM image; series is for those alone."
 OTHER_ANSWERS = "A DICOM image says itself where it lies, and has no segments; leave frame and segments out."
 LEFT_OUT = "{count} of the DICOM series there cannot be read and {were} left out: {why}"
 DAMAGED_FILES = "{count} of the DICOM files there {are} damaged or cut off and {were} left out."
@@ -32,7 +38,7 @@ class DicomImage:
     """The image, and the segmentations that lie beside it."""
 
     image: ImageVolume
-    segmentations: tuple[bytes, ...]  # whole files: SEG and RTSTRUCT
+    segmentations: tuple[bytes, ...]  # whole files: SEG, RTSTRUCT, and volumes of other formats
 
 
 def image_in(source: Path | bytes, answers: VolumeAnswers) -> DicomImage | bytes | None:
@@ -41,26 +47,32 @@ def image_in(source: Path | bytes, answers: VolumeAnswers) -> DicomImage | bytes
     None for every other file.  Raises BadScan or TooLarge with a sentence, NeedsAnswer where there are several series,
     BadSettings for answers that do not fit.
     """
-    with dicom_files(source) as files:
+    with dicom_files(source) as volumes:
         is_folder = isinstance(source, Path) and source.is_dir()
+        files, grids = ([each for each in volumes if each.is_grid is which] for which in (False, True))
         if not files:
+            if (image := _image_among(grids, [], answers)) is not None:
+                return image
             if is_folder:
                 raise BadScan(NO_DICOM)
             return None
         if importlib.util.find_spec("pydicom") is None:
             raise BadScan(NEEDS)
         headers, damaged = _headers(files)
-        beside = [(file, header) for file, header in headers if header.content in BESIDE]
+        beside = [file for file, header in headers if header.content in BESIDE]
         found = _found(headers)
         if not found.stacks and (beside or not any(header.content == "image" for _, header in headers)):
+            if (image := _image_among(grids, beside, answers)) is not None:
+                return image
             if not is_folder:
                 return None  # a label map, or what is refused as such
-            maps = [file for file, header in beside if header.content == "segmentation"]
+            maps = [file for file, header in headers if header.content == "segmentation"]
             if len(maps) != 1:
                 raise BadScan(NO_IMAGE if not maps else SEVERAL_MAPS)
             return maps[0].whole()
-        image = _image(found, damaged, answers.without_lesions if beside else answers)
-        return DicomImage(image, tuple(file.whole() for file, _ in beside[:SEGMENTATIONS]))
+        beside += grids
+        chosen = _image(found, damaged, answers.without_lesions if beside else answers)
+        return DicomImage(chosen, tuple(file.whole() for file in beside[:SEGMENTATIONS]))
 
 
 def image_of_file(data: bytes, answers: VolumeAnswers) -> ImageVolume | None:
@@ -73,6 +85,39 @@ def image_of_file(data: bytes, answers: VolumeAnswers) -> ImageVolume | None:
     file = one_file(data)
     header = header_of(file)
     return _image(_found([(file, header)]), 0, answers) if header.content == "image" else None
+
+
+def _image_among(grids: Sequence[DicomFile], beside: Sequence[DicomFile], answers: VolumeAnswers) -> DicomImage | None:
+    """The one image among volumes of other formats, with all else as its segmentations; None for another number."""
+    if not grids or len(grids) + len(beside) < 2:
+        return None
+    from breastrig.scan.images.grid_image import image_of  # SciPy's filters, and few scans are volumes
+
+    image, others = None, []
+    for file in grids[: SEGMENTATIONS + 1]:
+        whole = file.whole()
+        try:
+            grid = guarded("volume", partial(_grid, whole, answers))
+        except BadInput:
+            grid = None  # is left out with the reason
+        if grid is None:
+            others.append(whole)
+        elif image is not None:
+            return None
+        else:
+            image = grid
+    if image is None:
+        return None
+    if answers.series is not None:
+        raise BadSettings(NO_SERIES)
+    return DicomImage(image_of(image), tuple([*others, *(each.whole() for each in beside)][:SEGMENTATIONS]))
+
+
+def _grid(data: bytes, answers: VolumeAnswers) -> Grid | None:
+    """None for a label map."""
+    data = gunzipped(data) if data.startswith(GZIP_START) else data
+    found = read_volume(data, file_type_of(data), answers.frame)
+    return found if isinstance(found, Grid) else None
 
 
 def _headers(files: Sequence[DicomFile]) -> tuple[list[tuple[DicomFile, Header]], int]:

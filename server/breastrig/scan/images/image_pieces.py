@@ -1,7 +1,7 @@
 """An image as a scan: its skin, and what of its voxels is kept to be shown."""
 
 from breastrig.scan.images.image import ImageVolume, kept_image
-from breastrig.scan.images.skin_of_image import skin_of_image
+from breastrig.scan.images.skin.skin_of_image import skin_of_image
 from breastrig.scan.piece import Piece, Pieces, SeenLandmark
 from breastrig.scan.volumes.label_map import BOTH, ONE_BREAST
 

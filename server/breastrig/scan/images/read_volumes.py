@@ -4,7 +4,7 @@ from pathlib import Path
 
 from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.core.units import UNIT_CHOICES
-from breastrig.scan.images.dicom_images import DicomImage, image_in, image_of_file
+from breastrig.scan.images.dicom_images import NO_SERIES, DicomImage, image_in, image_of_file
 from breastrig.scan.piece import Pieces
 from breastrig.scan.volumes.answers import VolumeAnswers
 
@@ -36,7 +36,7 @@ def pieces_of(data: bytes, kind: str, units: str, answers: VolumeAnswers) -> Pie
     if kind == "dicom" and (image := image_of_file(data, answers)) is not None:
         return image_pieces(image)
     if answers.series is not None:
-        raise BadSettings("This file is no DICOM image; series is for those alone.")
+        raise BadSettings(NO_SERIES)
     found = read_volume(data, kind, answers.frame)
     if not isinstance(found, Grid):
         return label_map_pieces(found, answers)

@@ -73,7 +73,7 @@ def check_chosen(volume: Volume, chosen: Mapping[int, TakenAs]) -> None:
     for number in chosen:
         if number not in known:
             there = ", ".join(map(str, known[:20])) or "none"
-            raise BadSettings(f"There is no segment {number} in this label map; it has {there}.")
+            raise BadSettings(f"There is no segment {number} in this file; it has {there}.")
 
 
 def taken_segments(
@@ -112,7 +112,7 @@ def taken_segments(
     if len(lesions) > LESIONS and not are_lesions_alone:
         numbers = ", ".join(str(each.number) for each in taken if each.taken_as == "lesion")[:MOST_CHARACTERS]
         raise BadScan(
-            f"This label map has more than {LESIONS} lesions, of its segments {numbers}; say of those that are none "
+            f"This file has more than {LESIONS} lesions, of its segments {numbers}; say of those that are none "
             "what they are, such as 2=tissue."
         )
     return Taken(tuple(taken), tuple(lesions))

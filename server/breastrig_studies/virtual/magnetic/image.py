@@ -237,7 +237,9 @@ Change = Callable[[Protocol], Protocol]
 OPTIONS: dict[str, Change] = {
     "plain": lambda p: p,
     "fat suppressed": fat_suppressed,
+    "fat suppressed, 3 mm slices": lambda p: fat_suppressed(replace(p, steps=(p.steps[0], p.steps[1], 3.0))),
     "motion ghosts": lambda p: replace(p, ghosts=0.05),
+    "strong motion ghosts": lambda p: replace(p, ghosts=0.08),
     "visible board": lambda p: replace(p, board=0.12),
     "one coil half at 30 %": lambda p: replace(p, coil=(0.3, 1.0)),
     "three times the noise": lambda p: replace(p, noise=3.0 * p.noise),
@@ -246,5 +248,6 @@ OPTIONS: dict[str, Change] = {
     "one side": lambda p: replace(p, only="L"),
     "folded over": lambda p: replace(p, narrow=40.0),
     "all of the back": lambda p: replace(p, back=True),
+    "faded back": lambda p: replace(p, back=True, fades=40.0),
     "slices missing": lambda p: replace(p, gap=(round(60 / p.steps[2]), round(12 / p.steps[2]))),
 }

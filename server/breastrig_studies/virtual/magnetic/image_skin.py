@@ -12,7 +12,7 @@ import numpy as np
 from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_areas
-from breastrig.scan.images.skin_of_image import ImageSkin, skin_of_image
+from breastrig.scan.images.skin.skin_of_image import ImageSkin, skin_of_image
 from breastrig_studies.arguments import arguments
 from breastrig_studies.virtual.magnetic.image import OPTIONS, PLAIN, MrImage, mr_image
 from breastrig_studies.virtual.magnetic.woman import prone_woman

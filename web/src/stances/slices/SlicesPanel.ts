@@ -117,7 +117,7 @@ export function createSlices(actions: SlicesActions) {
     const body = svg("path", { class: "slice-body" });
     const lines = { skin: outlined("slice-skin"), fitted: outlined("slice-fitted"), wall: outlined("slice-wall"), plan: outlined("slice-line"), cross: outlined("slice-cross") };
     const balls = svg("g", {});
-    const picture = svg("svg", { tabindex: 0, role: "img", "aria-label": words.picture(words.names[plane]), class: "slice-picture" }, body, ...lines.skin.both, ...lines.fitted.both, ...lines.wall.both, ...lines.plan.both, ...lines.cross.both, balls);
+    const picture = svg("svg", { tabindex: 0, role: "img", class: "slice-picture" }, body, ...lines.skin.both, ...lines.fitted.both, ...lines.wall.both, ...lines.plan.both, ...lines.cross.both, balls);
     const image = grey.pane(picture);
     const side = el("span", {});
     const at = el("span", { class: "slice-at" });
@@ -242,6 +242,7 @@ export function createSlices(actions: SlicesActions) {
       picture,
       release: image.release,
       draw(mm: number): void {
+        picture.setAttribute("aria-label", words.picture(words.names[plane], grey.isThere()));
         const { of } = slicedOf(state);
         if (!of.scan || !skin) return;
         const through = cross();

@@ -11,7 +11,7 @@ const UP = ["head", "feet"] as const;
 export const slices = {
   group: "Slices",
   names: { axial: "Axial", sagittal: "Sagittal", coronal: "Coronal", body: "Body" } satisfies Record<Plane | "body", string>,
-  picture: (plane: string) => `${plane} slice. Arrow keys move the cross by 1 mm, with Shift by 5; Page Up and Page Down go through the slices; plus and minus zoom; comma and full stop darken and lighten its image; Enter enlarges.`,
+  picture: (plane: string, hasImage: boolean) => `${plane} slice. Arrow keys move the cross by 1 mm, with Shift by 5; Page Up and Page Down go through the slices; plus and minus zoom; ${hasImage ? "comma and full stop darken and lighten its image; " : ""}Enter enlarges.`,
   through: (plane: string) => `Place of the ${plane.toLowerCase()} slice`,
   /** Where a slice lies, in its corner and for its slider. */
   at: (plane: Plane, { left, up, front }: Ways): string => (plane === "axial" ? along(up, UP) : plane === "sagittal" ? along(left, LEFT) : along(front, FRONT)),

@@ -17,9 +17,9 @@ from breastrig.core.errors import BadScan
 from breastrig.geometry.half_edges import neighbours
 from breastrig.geometry.normals import face_areas, vertex_normals
 from breastrig.scan.clean import compact
-from breastrig.scan.images.cells import ISO, NO_AIR, Cells, Grey, body_in, cells_of
 from breastrig.scan.images.image import ImageVolume
-from breastrig.scan.images.nipples import SeenNipple, nipples_on
+from breastrig.scan.images.skin.cells import ISO, NO_AIR, Cells, Grey, body_in, cells_of
+from breastrig.scan.images.skin.nipples import SeenNipple, nipples_on
 
 DEPTHS = np.arange(-3.0, 8.01, 0.5)  # mm inwards, along which the image is looked at
 SHALLOW, DEEP = (0.0, 3.0), (4.0, 8.0)  # mm, of the skin, and of the fat under it

@@ -1,0 +1,1 @@
+"""The skin in an MR image, and the nipples on it."""
