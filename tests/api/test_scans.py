@@ -180,7 +180,7 @@ def test_landmarks_that_cannot_be_meant_are_refused(client: FlaskClient, scan_id
         (b'{"landmarks": {"nipple_L": [70, 350, 120]}, "unit": "mm", "certain": ["nipple_L"]}', {
             "nipple_L": [70.0, 350.0, 120.0]
         }),
-        (b"nose,70,350,120", '"nose" is not a landmark; known are: suprasternal_notch'),
+        (b'{"landmarks": {"nose": [70, 350, 120]}}', '"nose" is not a landmark; known are: suprasternal_notch'),
         (b"nipple_L,70,350,9000", "nipple_L lies 9,000 m outside"),
     ],
 )  # fmt: skip

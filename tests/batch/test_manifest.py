@@ -16,7 +16,7 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "a.ply").write_bytes(b"ply")
     (tmp_path / "b.ply").write_bytes(b"ply")
     (tmp_path / "picks.json").write_bytes((EXAMPLE / "landmarks.json").read_bytes())
-    (tmp_path / "picks.csv").write_text("nose,1,2,3\n")
+    (tmp_path / "picks.csv").write_text("nippel_L,1,2,3\n")
     return tmp_path
 
 
@@ -89,7 +89,7 @@ def test_each_wrong_row_is_one_sentence_with_its_line(folder: Path, rig: Rig) ->
         (4, 'The name "ONE" is also that of line 2'),
         (6, "There is no scan in this row"),
         (7, "There is no landmark file missing.json"),
-        (8, '"nose" is not a landmark of this model'),
+        (8, 'Is "nippel_L" the landmark nipple_L?'),
         (9, '"furlong" is not a unit; known are: auto, m'),
         (10, '"sitting" is not a stance; known are: auto, standing, supine'),
         (11, '"fast" is not a preset'),

@@ -89,6 +89,7 @@ def quick(job: FitJob) -> Iterator[Event]:
         landmarks_given=job.landmarks_mm,
         refined=job.refine,
         certain=list(job.certain),
+        marks_given=job.marks_mm,
         confidence=job.landmark_confidence,
         stance=started(job).stance,
         scan={"unit": scan.unit, "vertices": len(seen.vertices), "triangles": len(seen.faces), "sha256": scan.sha256},

@@ -45,6 +45,21 @@ def test_landmarks_come_back_in_the_scans_unit(case: breastrig.Case) -> None:
     assert all(np.allclose(per_unit_mm * found[name], given[name], atol=1e-9) for name in given)
 
 
+def test_marks_are_kept_with_the_landmarks_and_given_to_the_fit(tmp_path: Path) -> None:
+    case = breastrig.Case.create(tmp_path / "hers", "K7M-4QX")
+    scan = case.add_scan(EXAMPLE / "standing" / "scan.ply")
+    place = case.read_scan(scan).vertices[1000]
+    (tmp_path / "picks.csv").write_text(f"dot,{','.join(map(str, place))}\n")
+    case.put_landmarks(scan, tmp_path / "picks.csv", marks={"mole": place})
+    assert case.landmarks(scan) == {}
+    assert {name: at.tolist() for name, at in case.marks(scan).items()} == {
+        name: pytest.approx(place.tolist()) for name in ("dot", "mole")
+    }
+    assert list(case.fit(scan, refine=False).marks) == ["dot", "mole"]
+    with pytest.raises(breastrig.BadLandmarks, match='"dot" stands twice'):
+        case.put_landmarks(scan, tmp_path / "picks.csv", marks={"dot": place})
+
+
 def test_the_fit_is_that_of_the_command_line_and_its_log_its_events(case: breastrig.Case) -> None:
     scan = case.scans[0]
     [kept] = case.fits(scan.id)

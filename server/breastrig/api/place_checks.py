@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from breastrig.api.served_model import ServedModel
+from breastrig.api.wire import common as wire
 from breastrig.core.errors import BadDrawing, BadLandmarks, unknown_names
-from breastrig.core.picks import Picks
+from breastrig.core.picks import Picks, Points
 from breastrig.core.units import METRES_PER_UNIT, distance_text
-from breastrig.scan.landmarks.landmark_files import REACH, checked_certain, landmarks_of_file
-from breastrig.scan.landmarks.names import by_known_names, known_name
+from breastrig.scan.landmarks.landmark_files import REACH, checked_certain, landmark_file, landmarks_of_file
+from breastrig.scan.landmarks.marks import check_mark_names, with_marks
 from breastrig.storage.documents.scans import StoredScan
 
 REACH_M = 0.05  # beyond the scan's bounds: over a hole at the rim, under a hand that drags; further out is another scan
@@ -20,11 +21,45 @@ def picks_of_file(data: bytes, scan: StoredScan, model: ServedModel) -> Picks:
     bounds = scan.facts["bounds_m"]
     measured = METRES_PER_UNIT[scan.facts["unit"]], (np.array(bounds["min"]), np.array(bounds["max"]))
     found = landmarks_of_file(data, lambda: measured)
-    known = {each.name: (each.label, each.latin) for each in model.rig.landmarks}
-    certain = tuple(known_name(name, known) for name in found.certain)
-    picks = Picks(by_known_names(found.points_mm, known), certain, by_known_names(found.confidence, known))
+    picks = with_marks(found, _words(model))
     check_landmarks(picks, scan, model)
     return picks
+
+
+def _words(model: ServedModel) -> dict[str, tuple[str, str]]:
+    return {each.name: (each.label, each.latin) for each in model.rig.landmarks}
+
+
+def given_picks(given: wire.GivenLandmarkFile, stored: Picks) -> Picks:
+    """The landmarks of a request, and its marks, else those that are stored."""
+    mm = 1e3 * METRES_PER_UNIT[given.unit]
+    places, marks = _scaled(given, mm)
+    return Picks(places, tuple(given.certain), given.confidence, stored.marks_mm if given.marks is None else marks)
+
+
+def landmark_answer(picks: Picks) -> wire.LandmarkFile:
+    return wire.LandmarkFile(
+        landmarks=picks.points_mm, marks=picks.marks_mm, certain=list(picks.certain), confidence=picks.confidence
+    )
+
+
+def written_file(given: wire.GivenLandmarkFile, kind: str, unit: str) -> bytes:
+    """The landmarks of a request as a file: json in mm, other kinds in the scan's `unit`. Raises BadLandmarks."""
+    factor = METRES_PER_UNIT[given.unit] / (1e-3 if kind == "json" else METRES_PER_UNIT[unit])
+    places, marks = (
+        {name: np.array([float(f"{value:.8g}") for value in at]) for name, at in each.items()}
+        for each in _scaled(given, factor)
+    )
+    return landmark_file(places, kind, "mm" if kind == "json" else None, given.certain, given.confidence, marks)
+
+
+def _scaled(given: wire.GivenLandmarkFile, factor: float) -> tuple[Points, Points]:
+    """Landmarks and marks, each coordinate times the factor."""
+    places, marks = (
+        {name: [factor * value for value in place] for name, place in each.items()}
+        for each in (given.landmarks, given.marks or {})
+    )
+    return places, marks
 
 
 def check_landmarks(picks: Picks, scan: StoredScan, model: ServedModel) -> None:
@@ -36,7 +71,8 @@ def check_landmarks(picks: Picks, scan: StoredScan, model: ServedModel) -> None:
     names = model.rig.landmark_names
     if unknown := [name for name in picks.points_mm if name not in names]:
         raise BadLandmarks(unknown_names("landmark", unknown, names))
-    for name, point in picks.points_mm.items():
+    check_mark_names(picks.marks_mm, _words(model))
+    for name, point in (picks.points_mm | picks.marks_mm).items():
         if (outside := _metres_outside(point, scan)) > REACH:
             raise BadLandmarks(f"{name} lies {_outside('landmarks', outside, scan)}")
 

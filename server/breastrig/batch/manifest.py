@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+
 from breastrig.core.errors import BadInput, BadSettings, BreastRigError, unknown_name
 from breastrig.core.private_files import is_folder, is_ordinary, read_ordinary, shown
 from breastrig.core.stances import STANCES
@@ -20,9 +22,9 @@ from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import asked_drawing, tumour_text
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
-from breastrig.scan.landmarks.landmark_files import certain_landmarks, landmark_confidences, read_landmarks
+from breastrig.scan.landmarks.landmark_files import landmarks_of_file
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers, checked_answers, segments_of_words
-from breastrig.use.steps.prepare import check_prior, checked_landmarks, named_drawing
+from breastrig.use.steps.prepare import check_prior, checked_picks, named_drawing
 from breastrig.use.steps.settings import FIRST, FitSettings
 
 VOLUME_COLUMNS = ("frame", "segments", "series", "lesions", "same_place")  # as options of `breastrig fit`
@@ -153,10 +155,7 @@ def _row(
     scan = scan if is_folder(scan) else _file(base, cells["scan"], "scan")
     landmarks = _file(base, cells["landmarks"], "landmark file") if cells.get("landmarks") else None
     if landmarks is not None:
-        places, _ = read_landmarks(landmarks)
-        landmark_confidences(landmarks)
-        certain_landmarks(landmarks)
-        checked_landmarks(rig, {name: place.tolist() for name, place in places.items()})
+        checked_picks(rig, landmarks_of_file(landmarks, lambda: (1e-3, (np.zeros(3), np.zeros(3)))))
     preset = cells.get("preset") or "default"
     if preset.endswith(".toml"):
         preset = str(_file(base, preset, "preset"))

@@ -6,6 +6,7 @@ Only large images are read by the workers of this machine themselves.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from breastrig.batch.table import MEASURES
 from breastrig.core.arrays import Array
@@ -64,7 +65,12 @@ def fit_of_bytes(task: FitOfBytes, runner: Runner) -> dict[str, bytes]:
         if isinstance(task.scan, bytes):
             scan.write_bytes(task.scan)
         picks = task.picks()
-        own = {"landmark_confidence": picks.confidence, "certain": picks.certain}
+        own: dict[str, Any] = {
+            "landmark_confidence": picks.confidence,
+            "certain": picks.certain,
+            "marks_mm": picks.marks_mm,
+            "open_names": picks.open_names,
+        }
         if task.preset_file is not None:
             (folder / "preset.toml").write_bytes(task.preset_file)
             own["preset"] = str(folder / "preset.toml")

@@ -102,6 +102,7 @@ class FitDocument(Document):
     landmarks_mm: dict[str, list[float]] = {}
     certain: list[str] = []
     confidence: dict[str, float] = {}
+    marks_mm: dict[str, list[float]] = {}
     cuts: list[dict[str, Any]] = []
     refine: bool = True
     start_from: str | None = Field(default=None, description="an earlier fit of the same scan")

@@ -30,6 +30,7 @@ from breastrig.scan.landmarks.landmark_files import (
     landmark_confidences,
     landmark_file,
     read_landmarks,
+    read_marks,
 )
 
 NOT_YET = "The ink of this scan has not been looked for yet; ask for it first."
@@ -45,11 +46,10 @@ def get_landmarks(case: CaseFolder, scan_id: str) -> Picks:
         return Picks({})
     points, unit = read_landmarks(content)
     per_unit = 1e3 * METRES_PER_UNIT[unit or case.scan(scan_id).facts["unit"]]
-    return Picks(
-        {name: (per_unit * point).tolist() for name, point in points.items()},
-        certain_landmarks(content),
-        landmark_confidences(content),
+    places, marks = (
+        {name: (per_unit * point).tolist() for name, point in each.items()} for each in (points, read_marks(content)[0])
     )
+    return Picks(places, certain_landmarks(content), landmark_confidences(content), marks)
 
 
 def put_landmarks(
@@ -59,13 +59,22 @@ def put_landmarks(
 
     Without any there is no file.  Raises NotFound, Changed.
     """
-    return _put(case, scan_id, layout.LANDMARKS, landmark_document(picks) if picks.points_mm else None, seen, digest)
+    return _put(
+        case,
+        scan_id,
+        layout.LANDMARKS,
+        landmark_document(picks) if picks.points_mm or picks.marks_mm else None,
+        seen,
+        digest,
+    )
 
 
 def landmark_document(picks: Picks) -> bytes:
     """breastrig/landmarks@1 in mm."""
-    places = {name: np.array(point) for name, point in picks.points_mm.items()}
-    return landmark_file(places, "json", "mm", picks.certain, picks.confidence)
+    places, marks = (
+        {name: np.array(point) for name, point in each.items()} for each in (picks.points_mm, picks.marks_mm)
+    )
+    return landmark_file(places, "json", "mm", picks.certain, picks.confidence, marks)
 
 
 def get_cuts(case: CaseFolder, scan_id: str) -> tuple[dict[str, Any], ...]:

@@ -144,6 +144,7 @@ def run(options: argparse.Namespace) -> int:
         *(sure_text(result, result.drawn_line_error_mm) for reason in verdict.reasons if WITH_MARGIN in reason),
         *(pick.reason for pick in result.landmarks_not_followed),
         *(_to_check(pick.reason) for pick in result.landmarks_unusual),
+        *(mark.reason for mark in result.marks_asked),
         *result.drawing_missing,
         *_worth_a_check(fit),
     ]

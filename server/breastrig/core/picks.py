@@ -1,8 +1,8 @@
-"""A person's landmarks on one scan, as they are stored and given to a fit."""
+"""A person's landmarks and marks on one scan, as they are stored and given to a fit."""
 
 from dataclasses import dataclass, field
 
-Points = dict[str, list[float]]  # landmark name -> x, y, z in mm, scan frame
+Points = dict[str, list[float]]  # name -> x, y, z in mm, scan frame
 
 
 @dataclass(frozen=True)
@@ -10,3 +10,5 @@ class Picks:
     points_mm: Points = field(default_factory=dict)
     certain: tuple[str, ...] = ()  # names of those that a fit follows whatever all else says
     confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of those that were proposed; absent: placed
+    marks_mm: Points = field(default_factory=dict)  # places on the skin of any name: moles, dots, ends of pen lines
+    open_names: bool = False  # whether points of names that no landmark has are marks, as in tables of other programs

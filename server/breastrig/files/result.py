@@ -181,6 +181,15 @@ class ResultPatient(Document):
     scanned: date | None = Field(default=None, exclude_if=not_)
 
 
+class ResultMark(Document):
+    """A named place on the skin: on the scan, and which point of the model's skin is there."""
+
+    point: Three = Field(description="as given, in the scan's frame and unit")
+    off_scan_mm: FiniteFloat = Field(ge=0.0, description="from there to the scan's surface")
+    face: int = Field(ge=0, description="triangle of fitted.ply that is nearest to it")
+    barycentric: Three = Field(description="where in that triangle: weights of its three vertices")
+
+
 def joint_covariance(upper: Sequence[float], landmarks: int) -> Array | None:
     """(3 L, 3 L) of landmark_covariance_mm2; None where there is none, or it is not of so many landmarks."""
     size = 3 * landmarks
@@ -274,6 +283,10 @@ class ResultFile(Document):
         "not picked",
     )
     landmarks_picked: dict[str, Three] = Field(description="as given, in the scan's frame and unit")
+    marks: dict[str, ResultMark] = Field(
+        {}, exclude_if=not_, description="named places on the skin beside the landmarks, by name; absent without any"
+    )
+    marks_asked: list[DoubtedPick] = Field([], exclude_if=not_, description="marks that lie off the scan's skin")
     areolae: dict[str, ResultAreola | None] = Field(
         {}, exclude_if=not_, description="by side, null where none is seen; absent for a scan without texture"
     )

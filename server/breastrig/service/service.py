@@ -225,6 +225,7 @@ class Service:
             landmarks_mm=fit.landmarks_mm,
             certain=fit.certain,
             confidence=fit.confidence,
+            marks_mm=fit.marks_mm,
             cuts=fit.cuts,
             refine=True,
             predicted_from=fit_id,

@@ -13,6 +13,8 @@ from functools import cached_property, wraps
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeAlias, TypeVar
 
+from numpy.typing import ArrayLike
+
 from breastrig.core.arrays import Array, frozen
 from breastrig.core.clock import Clock
 from breastrig.core.errors import BadSettings, FitFailed
@@ -25,7 +27,7 @@ from breastrig.rig.named_parameters import Parameters, in_metres, parameters_by_
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
 from breastrig.use.folder.fit_files import write_fit_files
-from breastrig.use.landmarks import Landmarks, landmarks_in_mm
+from breastrig.use.landmarks import NOTHING, Landmarks, landmarks_in_mm
 from breastrig.use.scan import ScanLike, ScanSource
 from breastrig.use.steps.events import Done, Event
 from breastrig.use.steps.outcome import FitOutcome, RecordedIterate, outcome_of, record, started
@@ -159,6 +161,7 @@ def iterates(
     landmarks: Landmarks = None,
     *,
     certain: Sequence[str] = (),
+    marks: Mapping[str, ArrayLike] = NOTHING,
     units: str = "auto",
     stance: str = "auto",
     preset: Preset = "default",
@@ -183,7 +186,7 @@ def iterates(
     """
     clock = Clock()
     source = scan if isinstance(scan, ScanSource) else ScanSource(scan, units, lesions=lesions)
-    picks = landmarks_in_mm(landmarks, source, certain)
+    picks = landmarks_in_mm(landmarks, source, certain, marks)
     with one_thread():
         rig = with_cohort(model, prior)
         settings = FitSettings(
@@ -192,6 +195,8 @@ def iterates(
             drawing="+".join([*filter(None, [drawing]), *(tumour_text(short) for short in tumours)]) or None,
             landmark_confidence=picks.confidence,
             certain=picks.certain,
+            marks_mm=picks.marks_mm,
+            open_names=picks.open_names,
             refine=refine,
             earlier=_earlier(start, stance, rig),
             locked=tuple(locked),
@@ -226,6 +231,8 @@ Args:
     landmarks: Name -> (3,) place in the scan's unit and frame, or a `Proposal`; or the path of a landmark file
         (JSON, CSV, .pp, .mrk.json, .fcsv, .pts); None: the scan alone decides.
     certain: Names of landmarks that are always followed, besides those that the file names so.
+    marks: Name -> (3,) place on the skin in the scan's unit and frame: moles, dots, ends of pen lines, under any names,
+        besides those of the file.  `transfer` follows those that both scans have.
     units: Of a path: auto, m, dm, cm, mm, in, ft.
     stance: auto, standing, supine or prone (of an MRI).
     preset: default, paper, the path of a TOML file, or a dict of what differs from the default or from

@@ -53,6 +53,7 @@ class Proposals(dict[str, Proposal]):
 
 
 Landmarks = Mapping[str, ArrayLike | Proposal] | str | Path | None
+NOTHING: Mapping[str, ArrayLike] = MappingProxyType({})
 
 
 def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Model = None) -> Proposals:
@@ -83,32 +84,46 @@ def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Mo
     return Proposals(proposed, {name: reason for name, reason in why.items() if reason is not None})
 
 
-def landmarks_in_mm(given: Landmarks, scan: ScanSource, certain: Sequence[str] = ()) -> Picks:
+def landmarks_in_mm(
+    given: Landmarks, scan: ScanSource, certain: Sequence[str] = (), marks: Mapping[str, ArrayLike] = NOTHING
+) -> Picks:
     """Places in mm, the confidences that stand beside them, and what is certain: `certain` and what the file names.
+
+    `marks` are in the scan's unit and frame, and join those of the file.
 
     A file without a unit of its own has the scan's; only then, or for places that a program gives, the scan is read.
     Raises BadLandmarks.
     """
     if isinstance(certain, str):
         raise BadLandmarks(f'certain must be a list of landmarks\' names, as in ["{certain[:100]}"].')
-    if given is None:
-        return Picks(certain=tuple(certain))
+    found = Picks()
     if isinstance(given, str | Path):
         found = landmarks_of_file(Path(given), lambda: scan.read()[0].measured)
-        return replace(found, certain=(*found.certain, *certain))
+    found = replace(found, certain=(*found.certain, *certain))
+    given = {} if given is None or isinstance(given, str | Path) else given
+    if not given and not marks:
+        return found
+    if twice := found.marks_mm.keys() & marks.keys():
+        raise BadLandmarks(f'The mark "{min(twice)}" stands twice, in the file and beside it; keep one.')
     metres = scan.read()[0].metres_per_unit
+    own = {name: _in_mm("mark", name, each, 1e3 * metres) for name, each in marks.items()}
     confidences = {name: each.confidence for name, each in given.items() if isinstance(each, Proposal)}
-    places_mm = {name: _in_mm(name, each, 1e3 * metres) for name, each in given.items()}
-    return Picks(places_mm, tuple(certain), confidences)
+    places_mm = {name: _in_mm("landmark", name, each, 1e3 * metres) for name, each in given.items()}
+    return replace(
+        found,
+        points_mm=found.points_mm | places_mm,
+        confidence=found.confidence | confidences,
+        marks_mm=found.marks_mm | own,
+    )
 
 
-def _in_mm(name: str, given: ArrayLike | Proposal, mm_per_unit: float) -> list[float]:
+def _in_mm(kind: str, name: str, given: ArrayLike | Proposal, mm_per_unit: float) -> list[float]:
     try:
         place = np.asarray(given.point if isinstance(given, Proposal) else given, dtype=np.float64)
     except (TypeError, ValueError):
         place = np.zeros(0)
     if place.shape != (3,):
-        raise BadLandmarks(f"The landmark {name} needs three finite numbers x y z.")
+        raise BadLandmarks(f"The {kind} {name} needs three finite numbers x y z.")
     return [mm_per_unit * float(value) for value in place]
 
 

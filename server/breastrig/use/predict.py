@@ -153,6 +153,9 @@ def _result(
             "landmarks_picked": dict(
                 zip(given.landmarks_picked, moved(list(given.landmarks_picked.values())), strict=True)
             ),
+            "marks": {
+                name: mark.model_copy(update={"point": moved([mark.point])[0]}) for name, mark in given.marks.items()
+            },
             "landmark_uncertainty_mm": {
                 name: round(float(radius), 2)
                 for name, radius in zip(given.landmark_uncertainty_mm, radii_mm, strict=True)

@@ -249,6 +249,8 @@ export type Fit = {
   landmarks: Record<string, [number, number, number]>;
   /** of these, those that the fit follows whatever all else says */
   certain: string[];
+  /** as asked for, mm */
+  marks?: Record<string, [number, number, number]>;
   preset: string;
   drawing: string | null;
   refine: boolean;
@@ -314,6 +316,8 @@ export type FitRequest = {
   certain?: string[] | null;
   /** 0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's error. 1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of which nothing is said, the proposal's own is taken; by default those stored with the scan, as `certain` */
   confidence?: Record<string, number> | null;
+  /** millimetres, the scan's own frame; by default those stored with the scan */
+  marks?: Record<string, [number, number, number]> | null;
   preset?: string;
   /** drawings of the model and patterns with parameters, joined by +; null for none: the plan of the patient is drawn on every fit without being asked for (plan.json) */
   drawing?: string | null;
@@ -356,6 +360,8 @@ export type GivenLandmarkFile = {
   /** 0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's error. 1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of which nothing is said, the proposal's own is taken */
   confidence?: Record<string, number>;
   unit?: "m" | "dm" | "cm" | "mm" | "in" | "ft";
+  /** places on the skin of any name (moles, dots, ends of pen lines), in the unit, the scan's own frame; lines follow those that both scans have; null or left out: those stored with the scan stay */
+  marks?: Record<string, [number, number, number]> | null;
 };
 
 /** One polyline in an input: on a scan, or on the model. */
@@ -507,6 +513,8 @@ export type LandmarkFile = {
   /** 0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's error. 1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of which nothing is said, the proposal's own is taken */
   confidence?: Record<string, number>;
   unit?: "mm";
+  /** places on the skin of any name (moles, dots, ends of pen lines), in the unit, the scan's own frame; lines follow those that both scans have */
+  marks?: Record<string, [number, number, number]>;
 };
 
 export type LandmarkInfo = {
@@ -1288,6 +1296,10 @@ export type ResultFile = {
   landmarks_seen?: Record<string, string>;
   /** as given, in the scan's frame and unit */
   landmarks_picked: Record<string, [number, number, number]>;
+  /** named places on the skin beside the landmarks, by name; absent without any */
+  marks?: Record<string, ResultMark>;
+  /** marks that lie off the scan's skin */
+  marks_asked?: DoubtedPick[];
   /** by side, null where none is seen; absent for a scan without texture */
   areolae?: Record<string, ResultAreola | null>;
   /** shown by the scan's file and by files of lesions fitted with it; those that are added or moved later are in the plan alone */
@@ -1313,6 +1325,18 @@ export type ResultLesion = {
   /** in the scan's unit */
   center: [number, number, number];
   radius_mm: number;
+};
+
+/** A named place on the skin: on the scan, and which point of the model's skin is there. */
+export type ResultMark = {
+  /** as given, in the scan's frame and unit */
+  point: [number, number, number];
+  /** from there to the scan's surface */
+  off_scan_mm: number;
+  /** triangle of fitted.ply that is nearest to it */
+  face: number;
+  /** where in that triangle: weights of its three vertices */
+  barycentric: [number, number, number];
 };
 
 export type ResultParameters = {

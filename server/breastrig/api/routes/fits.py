@@ -88,6 +88,7 @@ def _new_fit(asked: wire.FitRequest) -> NewFit:
         landmarks_mm=picks.points_mm,
         certain=picks.certain,
         confidence=picks.confidence,
+        marks_mm=picks.marks_mm,
         cuts=get_cuts(context.service.storage, scan.id),
         refine=asked.refine,
         start_from=asked.start_from,
@@ -100,7 +101,9 @@ def _picks(scan: StoredScan, asked: wire.FitRequest) -> Picks:
     said: dict[str, Any] = {} if asked.certain is None else {"certain": tuple(asked.certain)}
     said |= {} if asked.confidence is None else {"confidence": asked.confidence}
     brought = asked.landmarks is not None
-    picks = Picks(asked.landmarks or {}) if brought else get_landmarks(context.service.storage, scan.id)
+    stored = get_landmarks(context.service.storage, scan.id)
+    picks = Picks(asked.landmarks or {}, marks_mm=stored.marks_mm) if brought else stored
+    said |= {} if asked.marks is None else {"marks_mm": asked.marks}
     return context.service.proposals.agreed(scan.id, context.model_of(scan.facts).rig.sha256, replace(picks, **said))
 
 
@@ -251,6 +254,7 @@ def _answers(rows: Sequence[StoredFit]) -> list[wire.Fit]:
             row,
             queue_position=positions.get(row.id),
             landmarks=row.landmarks_mm,
+            marks=row.marks_mm,
             cuts=cuts_digest(row.cuts),
             links=fit_links(row.id),
         )

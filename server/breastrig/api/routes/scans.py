@@ -4,23 +4,21 @@ from collections.abc import Sequence
 from pathlib import PurePosixPath
 from typing import Any
 
-import numpy as np
 from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.answers import BINARY, GLB, PERSONAL, PNG, browser_forgets, bytes_answer, file_of, in_memory
 from breastrig.api.app_context import app_context
 from breastrig.api.errors import refuse
-from breastrig.api.place_checks import check_landmarks, picks_of_file
+from breastrig.api.place_checks import check_landmarks, given_picks, landmark_answer, picks_of_file, written_file
 from breastrig.api.wire import common as wire
 from breastrig.cases.case_folder import NO_SCAN
 from breastrig.core.errors import NotFound
 from breastrig.core.picks import Picks
 from breastrig.core.proposed import why_not_proposed
-from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.file_type import ENDINGS, UNKNOWN
 from breastrig.scan.kept_image import read_image
-from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES, landmark_file
+from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.volumes.answers import checked_answers, segments_of_json
 from breastrig.storage.documents.patients import StoredPatient, patients_of_scans
 from breastrig.storage.documents.scans import (
@@ -218,13 +216,12 @@ def replace_landmarks(
     """Replace the landmarks, in the unit that they name
 
     Names must be landmarks of the model; points must lie near the scan.  `certain` names those of them that a fit
-    follows whatever all else says, `confidence` those that were proposed and only agreed to.
+    follows whatever all else says, `confidence` those that were proposed and only agreed to.  `marks` have any other
+    names; without this field those stay that are stored.
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
-    mm = 1e3 * METRES_PER_UNIT[json_data.unit]
-    places = {name: [mm * each for each in place] for name, place in json_data.landmarks.items()}
-    picks = Picks(places, tuple(json_data.certain), json_data.confidence)
+    picks = given_picks(json_data, get_landmarks(context.service.storage, row.id))
     check_landmarks(picks, row, context.model_of(row.facts))
     picks = context.service.proposals.agreed(row.id, context.model_of(row.facts).rig.sha256, picks)
     if not put_landmarks(context.service.storage, scan_id, picks, _tag(headers_data.if_match)):
@@ -246,7 +243,7 @@ def read_landmark_file(scan_id: str, files_data: wire.LandmarkUpload) -> wire.La
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
     found = picks_of_file(files_data.file.stream.read(LIMIT_BYTES + 1), row, context.model_of(row.facts))
-    return wire.LandmarkFile(landmarks=found.points_mm, certain=list(found.certain), confidence=found.confidence)
+    return landmark_answer(found)
 
 
 @scans.post("/<scan_id>/landmarks/file/<kind>")
@@ -260,12 +257,8 @@ def write_landmark_file(scan_id: str, kind: str, json_data: wire.GivenLandmarkFi
 
     Nothing is kept.
     """
-    row = get_scan(app_context().service.storage, scan_id)
-    own = 1e-3 if kind == "json" else METRES_PER_UNIT[row.facts["unit"]]
-    factor = METRES_PER_UNIT[json_data.unit] / own
-    places = {name: np.array([float(f"{factor * x:.8g}") for x in at]) for name, at in json_data.landmarks.items()}
-    unit = "mm" if kind == "json" else None
-    return bytes_answer(landmark_file(places, kind, unit, json_data.certain, json_data.confidence), BINARY, PERSONAL)
+    unit = get_scan(app_context().service.storage, scan_id).facts["unit"]
+    return bytes_answer(written_file(json_data, kind, unit), BINARY, PERSONAL)
 
 
 @scans.get("/<scan_id>/cuts")
@@ -385,8 +378,7 @@ def _tag(if_match: str | None) -> str | None:
 
 
 def _landmarks_answer(picks: Picks) -> Landmarks:
-    file = wire.LandmarkFile(landmarks=picks.points_mm, certain=list(picks.certain), confidence=picks.confidence)
-    return file, 200, {"ETag": f'"{picks_digest(picks)}"', "Cache-Control": "no-store"}
+    return landmark_answer(picks), 200, {"ETag": f'"{picks_digest(picks)}"', "Cache-Control": "no-store"}
 
 
 def cuts_answer(cuts: Cuts) -> wire.Cuts:

@@ -35,6 +35,12 @@ CERTAIN = (
 )
 
 
+MARKS = (
+    "places on the skin of any name (moles, dots, ends of pen lines), in the unit, the scan's own frame; lines follow "
+    "those that both scans have"
+)
+
+
 CONFIDENCE = (
     "0 to 1, of landmarks that were proposed and only agreed to, as the proposal says it: each keeps the proposal's "
     "error.  1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of "
@@ -246,12 +252,16 @@ class LandmarkFile(_Landmarks):
     """The landmark file of the command line as well; answers are in mm."""
 
     unit: Literal["mm"] = "mm"
+    marks: dict[Name, Point] = Field(default={}, max_length=200, description=MARKS, exclude_if=lambda found: not found)
 
 
 class GivenLandmarkFile(_Landmarks):
     """The landmark file of the command line; without a unit of its own it is in mm."""
 
     unit: LineUnit = "mm"
+    marks: dict[Name, Point] | None = Field(
+        None, max_length=200, description=f"{MARKS}; null or left out: those stored with the scan stay"
+    )
 
 
 class LandmarkUpload(Upload):
@@ -347,6 +357,9 @@ class FitRequest(Wire):
     confidence: dict[Name, Confidence] | None = Field(
         None, max_length=200, description=f"{CONFIDENCE}; by default those stored with the scan, as `certain`"
     )
+    marks: dict[Name, Point] | None = Field(
+        None, max_length=200, description="millimetres, the scan's own frame; by default those stored with the scan"
+    )
     preset: Name = "default"
     drawing: Annotated[str, Field(min_length=1, max_length=LONGEST_DRAWING)] | None = Field(
         None,
@@ -429,6 +442,7 @@ class Fit(Wire):
     asked_stance: StanceWish = Field(description="as asked for")
     landmarks: dict[Name, Point] = Field(description="as asked for, mm; also those that were only agreed to")
     certain: list[str] = Field(description="of these, those that the fit follows whatever all else says")
+    marks: dict[Name, Point] = Field({}, description="as asked for, mm", exclude_if=lambda found: not found)
     preset: str
     drawing: str | None
     refine: bool

@@ -70,7 +70,8 @@ def landmarks(options: argparse.Namespace) -> int:
     case = Case(options.case)
     scan = _chosen(case, options.scan)
     case.put_landmarks(scan.id, options.landmarks)
-    print(f"{len(case.landmarks(scan.id))} landmarks")
+    marks = len(case.marks(scan.id))
+    print(f"{len(case.landmarks(scan.id))} landmarks{f', {marks} marks' if marks else ''}")
     return 0
 
 

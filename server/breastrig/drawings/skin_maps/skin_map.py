@@ -54,6 +54,7 @@ class FittedScan:
     seen: dict[str, Array] = field(default_factory=dict)  # (3,) landmarks that the scan's colours show
     predicted: bool = False  # no scan shows the patient so
     wall: ClosestPointSearch | None = None  # the chest wall that the scan shows, triangles towards the front
+    marks: dict[str, Array] = field(default_factory=dict)  # (3,) on the scan's skin, of any names
     _searches: dict[Rig, ClosestPointSearch] = field(default_factory=dict, init=False, repr=False)
 
     @property

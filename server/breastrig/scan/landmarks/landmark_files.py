@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
+from breastrig.core.documents import csv_table
 from breastrig.core.errors import BadLandmarks
 from breastrig.core.picks import Picks
 from breastrig.core.private_files import read_ordinary, shown
@@ -65,7 +66,23 @@ def read_landmarks(source: Path | bytes, file_type: str | None = None) -> tuple[
         pairs, unit = _from_meshlab(text), None
     else:
         pairs, unit = _from_table(text, file_type or (source.suffix if isinstance(source, Path) else ""))
+    if not pairs and not _parsed(text).get("marks"):
+        raise BadLandmarks("This landmark file holds no landmarks; pick some and export them again.")
     return _checked(pairs), unit
+
+
+def read_marks(source: Path | bytes) -> tuple[dict[str, Array], bool]:
+    """({name: (3,) point in the file's unit} of "marks", whether names that no landmark has are marks too).
+
+    They are in files that have no place for marks: tables, and those of MeshLab and 3D Slicer.  Raises BadLandmarks.
+    """
+    document = _parsed(_text(source))
+    listed = document.get("marks", _Pairs([]))
+    if not isinstance(listed, _Pairs):
+        raise BadLandmarks('"marks" in this landmark file must be places by name, as in {"mole": [1.0, 2.0, 3.0]}.')
+    return _checked([(name, _point(given)) for name, given in listed.pairs], "mark"), not document or (
+        "markups" in document
+    )
 
 
 def landmark_confidences(source: Path | bytes) -> dict[str, float]:
@@ -127,21 +144,24 @@ def landmark_file(
     unit: str | None = None,
     certain: Sequence[str] = (),
     confidence: Mapping[str, float] = MappingProxyType({}),
+    marks: Mapping[str, Array] = MappingProxyType({}),
 ) -> bytes:
     """The bytes of a landmark file; file_type is one of FILE_TYPES.
 
     `unit`, `certain` and `confidence` are written into our JSON only: in the other kinds the points must be in the
-    scan's unit, and there is no place for what is known of them.
+    scan's unit, and there is no place for what is known of them; marks are points among the others there.
     """
-    points = {name: [float(value) for value in place] for name, place in places.items()}
+    points, marked = ({name: list(map(float, place)) for name, place in each.items()} for each in (places, marks))
     if file_type == "json":
         document: dict[str, Any] = {"schema": SCHEMA} | ({"unit": unit} if unit else {}) | {"landmarks": points}
         document |= {"certain": list(certain)} if certain else {}
         document |= {"confidence": dict(confidence)} if confidence else {}
+        document |= {"marks": marked} if marked else {}
         return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
+    points |= marked
     if file_type == "csv":
-        rows = ["name,x,y,z", *(",".join([name, *map(repr, point)]) for name, point in points.items())]
-        return ("\n".join(rows) + "\n").encode()
+        rows = ({"name": name, **dict(zip("xyz", point, strict=True))} for name, point in points.items())
+        return csv_table(("name", "x", "y", "z"), rows)
     if file_type == "pp":
         return _meshlab(points)
     if file_type == "mrk.json":
@@ -163,12 +183,19 @@ def _text(source: Path | bytes) -> str:
         raise BadLandmarks(f"This landmark file is not text; {FORMATS}.") from error
 
 
-def _from_json(text: str) -> tuple[list[tuple[str, Any]], str | None]:
+def _parsed(text: str) -> "_Pairs":
+    """The JSON document; empty for a file of another kind."""
+    if text.lstrip()[:1] not in ("{", "["):
+        return _Pairs([])
     try:
         document = json.loads(text, object_pairs_hook=_Pairs)
-        document = document if isinstance(document, _Pairs) else _Pairs([("landmarks", document)])
     except (ValueError, RecursionError) as error:
         raise BadLandmarks("This landmark file is not valid JSON; export it again.") from error
+    return document if isinstance(document, _Pairs) else _Pairs([("landmarks", document)])
+
+
+def _from_json(text: str) -> tuple[list[tuple[str, Any]], str | None]:
+    document = _parsed(text)
     if "markups" in document:
         return _from_slicer(document), None
     pairs = _plain_json(document) if document.get("schema", SCHEMA) == SCHEMA else None
@@ -182,7 +209,9 @@ def _from_json(text: str) -> tuple[list[tuple[str, Any]], str | None]:
 
 def _plain_json(document: "_Pairs") -> list[tuple[str, Any]] | None:
     """The points that "landmarks" holds, else the document: by name, or a list with names; None where it holds none."""
-    listed = document.get("landmarks", None if "schema" in document else document)
+    is_ours = bool({"schema", "landmarks"} & document.keys())
+    bare = _Pairs([pair for pair in document.pairs if pair[0] not in ("marks", "unit")])
+    listed = document.get("landmarks", (_Pairs([]) if "marks" in document else None) if is_ours else bare)
     if isinstance(listed, list) and all(isinstance(each, dict) for each in listed):
         entries = [(next((each[key] for key in NAME_KEYS if key in each), ""), each) for each in listed]
     elif isinstance(listed, _Pairs):
@@ -190,8 +219,7 @@ def _plain_json(document: "_Pairs") -> list[tuple[str, Any]] | None:
     else:
         return None
     pairs = [(name, _point(given)) for name, given in entries]
-    placed = listed is not document or all(isinstance(point, list) for _, point in pairs)
-    return pairs if placed else None
+    return pairs if is_ours or all(isinstance(point, list) for _, point in pairs) else None
 
 
 def _point(given: Any) -> Any:
@@ -316,38 +344,39 @@ def landmarks_of_file(
     Raises BadLandmarks with one sentence.
     """
     places, unit = read_landmarks(source, file_type)
-    metres = METRES_PER_UNIT[unit] if unit else metres_per_unit(places, None, *scan())
-    points = {name: (1e3 * metres * place).tolist() for name, place in places.items()}
-    return Picks(points, certain_landmarks(source), landmark_confidences(source))
+    marks, open_names = read_marks(source)
+    metres = METRES_PER_UNIT[unit] if unit else metres_per_unit({**marks, **places}, None, *scan())
+    points, marked = (
+        {name: (1e3 * metres * place).tolist() for name, place in each.items()} for each in (places, marks)
+    )
+    return Picks(points, certain_landmarks(source), landmark_confidences(source), marked, open_names)
 
 
-def _checked(pairs: list[tuple[str, Any]]) -> dict[str, Array]:
-    if not pairs:
-        raise BadLandmarks("This landmark file holds no landmarks; pick some and export them again.")
+def _checked(pairs: list[tuple[str, Any]], kind: str = "landmark") -> dict[str, Array]:
     if len(pairs) > LIMIT_POINTS:
         raise BadLandmarks(f"This file holds {len(pairs):,} points, more than the {LIMIT_POINTS:,} allowed.")
     places: dict[str, Array] = {}
     for name, place in pairs:
         if not isinstance(name, str) or not name.strip() or len(name) > LIMIT_NAME:
-            raise BadLandmarks("A landmark in this file has no proper name; give each point its landmark's name.")
+            raise BadLandmarks(f"A {kind} in this file has no proper name; give each point its {kind}'s name.")
         name = name.strip()
         if name in places:
-            raise BadLandmarks(f'The landmark "{name}" stands twice in this file; keep one.')
-        places[name] = np.array(_three_numbers(name, place))
+            raise BadLandmarks(f'The {kind} "{name}" stands twice in this file; keep one.')
+        places[name] = np.array(_three_numbers(name, place, kind))
     return places
 
 
-def _three_numbers(name: str, place: Any) -> list[float]:
+def _three_numbers(name: str, place: Any, kind: str) -> list[float]:
     try:
         if isinstance(place, str | bytes) or len(place) != 3 or any(isinstance(value, bool) for value in place):
             raise TypeError
         numbers = [number(value) for value in place]
     except (TypeError, ValueError, OverflowError) as error:
-        raise BadLandmarks(f'The landmark "{name}" needs three numbers x, y, z.') from error
+        raise BadLandmarks(f'The {kind} "{name}" needs three numbers x, y, z.') from error
     if not all(math.isfinite(value) for value in numbers):
-        raise BadLandmarks(f'The landmark "{name}" has a coordinate that is not a finite number; pick it again.')
+        raise BadLandmarks(f'The {kind} "{name}" has a coordinate that is not a finite number; pick it again.')
     if max(map(abs, numbers)) > BEYOND:
-        raise BadLandmarks(f'The landmark "{name}" has a coordinate larger than 1e9; check the file and its unit.')
+        raise BadLandmarks(f'The {kind} "{name}" has a coordinate larger than 1e9; check the file and its unit.')
     return numbers
 
 

@@ -34,6 +34,7 @@ class NewFit:
     landmarks_mm: Points
     certain: tuple[str, ...] = ()  # of the landmarks, those that are followed whatever all else says
     confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of those that were proposed; absent: placed
+    marks_mm: Points = field(default_factory=dict)  # of any names
     cuts: Cuts = ()  # of the scan, by hand
     refine: bool = False
     start_from: str | None = None  # an earlier fit of the same scan

@@ -104,10 +104,13 @@ def put_landmarks(storage: Storage, scan_id: str, picks: Picks, seen: str | None
 
 def picks_digest(picks: Picks) -> str:
     """A digest of landmarks, independent of their order; empty where there are none."""
-    if not picks.points_mm:
+    if not picks.points_mm and not picks.marks_mm:
         return ""
-    points = {name: [float(value) for value in point] for name, point in picks.points_mm.items()}
-    text = json.dumps([points, sorted(picks.certain), picks.confidence], separators=(",", ":"), sort_keys=True)
+    points, marks = (
+        {name: [*map(float, at)] for name, at in each.items()} for each in (picks.points_mm, picks.marks_mm)
+    )
+    known = [points, sorted(picks.certain), picks.confidence, *([marks] if marks else [])]
+    text = json.dumps(known, separators=(",", ":"), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, ScanEntry
@@ -16,8 +17,9 @@ from breastrig.cases.plans import get_plan, plan_versions, put_plan
 from breastrig.cases.removal import Left, delete_case, delete_scan, move_scan
 from breastrig.core.arrays import Array, frozen
 from breastrig.core.errors import BadInput, Conflict, FitFailed, NotRemoved, unknown_name
+from breastrig.core.model_choice import model_choice
 from breastrig.core.one_thread import one_thread
-from breastrig.core.picks import Picks
+from breastrig.core.picks import Points
 from breastrig.core.stances import AUTO, STANCES
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import drawing_with
@@ -26,6 +28,7 @@ from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.scan.hand_cuts import read_cuts
 from breastrig.scan.images.added_lesions import TakenLesions
 from breastrig.scan.images.dicom_files import sha256_of
+from breastrig.scan.landmarks.marks import with_marks
 from breastrig.scan.volumes.answers import checked_answers
 from breastrig.use.cases.case_work import (
     asked_fit,
@@ -36,10 +39,11 @@ from breastrig.use.cases.case_work import (
 )
 from breastrig.use.fit import FitRun, to_its_end
 from breastrig.use.folder.whose import asked_about
-from breastrig.use.landmarks import Landmarks, landmarks_in_mm
+from breastrig.use.landmarks import NOTHING, Landmarks, landmarks_in_mm
 from breastrig.use.lines.plan_words import texts_of
 from breastrig.use.scan import Scan, ScanSource, existing, read_coloured, scan_of_stored
 from breastrig.use.steps.events import Event
+from breastrig.use.steps.prepare import landmark_words
 from breastrig.use.steps.settings import FIRST
 from breastrig.use.values.fit_result import Fit
 from breastrig.use.values.model import loaded
@@ -169,19 +173,31 @@ class Case:
 
     def landmarks(self, scan: str) -> dict[str, Array]:
         """Name -> (3,) place in the scan's unit and frame, as a person has placed it.  Raises BadInput."""
-        per_mm = 1e-3 / METRES_PER_UNIT[self._folder.scan(scan).facts["unit"]]
-        return {
-            name: frozen(per_mm * np.array(point))
-            for name, point in get_landmarks(self._folder, scan).points_mm.items()
-        }
+        return self._places(scan, get_landmarks(self._folder, scan).points_mm)
 
-    def put_landmarks(self, scan: str, landmarks: Landmarks, certain: Sequence[str] = ()) -> None:
+    def _places(self, scan: str, points_mm: Points) -> dict[str, Array]:
+        per_mm = 1e-3 / METRES_PER_UNIT[self._folder.scan(scan).facts["unit"]]
+        return {name: frozen(per_mm * np.array(point)) for name, point in points_mm.items()}
+
+    def marks(self, scan: str) -> dict[str, Array]:
+        """Name -> (3,) place on the skin in the scan's unit and frame, of any name.  Raises BadInput."""
+        return self._places(scan, get_landmarks(self._folder, scan).marks_mm)
+
+    def put_landmarks(
+        self,
+        scan: str,
+        landmarks: Landmarks,
+        certain: Sequence[str] = (),
+        marks: Mapping[str, ArrayLike] = NOTHING,
+    ) -> None:
         """Replaces the scan's landmarks: name -> (3,) place in its unit and frame, or the path of a landmark file.
 
-        Those named in `certain` are always followed.  Raises BadLandmarks or another BadInput.
+        Those named in `certain` are always followed.  `marks` are places on the skin under any other names, beside
+        those of the file.  Raises BadLandmarks or another BadInput.
         """
-        given = landmarks_in_mm(landmarks, ScanSource(self.read_scan(scan), "auto"), certain)
-        put_landmarks(self._folder, scan, Picks(given.points_mm, given.certain, given.confidence))
+        given = landmarks_in_mm(landmarks, ScanSource(self.read_scan(scan), "auto"), certain, marks)
+        rig = loaded(model_choice(None).of(self._folder.scan(scan).facts))
+        put_landmarks(self._folder, scan, with_marks(given, landmark_words(rig)))
 
     def put_cuts(self, scan: str, cuts: str | Path | Mapping[str, Any]) -> None:
         """Replaces what is cut away by hand: a file with what `GET /api/scans/ID/cuts` answers, or that itself.

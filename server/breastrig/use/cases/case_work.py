@@ -91,6 +91,7 @@ def asked_fit(case: CaseFolder, scan_id: str, **asked: Any) -> FitDocument:
         landmarks_mm=picks.points_mm,
         certain=list(picks.certain),
         confidence=picks.confidence,
+        marks_mm=picks.marks_mm,
         cuts=list(get_cuts(case, scan_id)),
         **asked,
     )
@@ -194,6 +195,7 @@ def job_of(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model:
         landmarks_mm=asked.landmarks_mm,
         certain=tuple(asked.certain),
         landmark_confidence=asked.confidence,
+        marks_mm=asked.marks_mm,
         units=facts["unit"],
         file_type=scan.file.partition(".")[2],
         stance=asked.stance,

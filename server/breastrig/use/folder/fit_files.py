@@ -36,6 +36,7 @@ from breastrig.files.result import (
     ResultBone,
     ResultFile,
     ResultLesion,
+    ResultMark,
     ResultParameters,
     ResultScan,
     ResultWall,
@@ -46,6 +47,7 @@ from breastrig.fitting.checks.basis import basis_bytes
 from breastrig.fitting.hypotheses import UNCLEAR
 from breastrig.fitting.posterior import contribution_bytes
 from breastrig.fitting.task import PickIssue
+from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.rotations import quaternion_from_rotation
 from breastrig.gltf.replay import fitted_glb
 from breastrig.least_squares.newton import Status
@@ -54,6 +56,8 @@ from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.arms import arm_angles
 from breastrig.rig.known import NOT_CALIBRATED
 from breastrig.use.steps.outcome import FitOutcome
+
+OFF_SKIN = 0.01  # m from the scan; a mark farther off is on no skin that the scan shows
 
 
 def _rounded(values: Array, digits: int = 6) -> list[float]:
@@ -138,6 +142,8 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         landmarks={name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},
         landmarks_seen={name: each.reason for name, each in outcome.seen.items()},
         landmarks_picked={name: _rounded(place / per_unit) for name, place in plan.landmarks.items()},
+        marks=_marks(outcome),
+        marks_asked=_marks_asked(outcome),
         areolae=areolae_document(outcome.areolae, per_unit),
         lesions=[
             ResultLesion(name=each.name, center=_rounded(each.center / per_unit), radius_mm=round(1e3 * each.radius, 3))
@@ -174,6 +180,43 @@ def _distances(found: FoundDistances, model: Mapping[str, Array], picked: Mappin
         "scan_to_model_mm": summary_mm(found.scan),
         "landmark_distance_mm": landmark_summary_mm(model, picked),
     }
+
+
+def _marks(outcome: FitOutcome) -> dict[str, ResultMark]:
+    """Each mark as given, and the point of the fitted model's skin that is nearest to it."""
+    marks, per_unit = outcome.ready.plan.marks, outcome.ready.scan.metres_per_unit
+    if not marks:
+        return {}
+    at = ClosestPointSearch(outcome.vertices, outcome.ready.plan.rig.faces).query(np.array(list(marks.values())))
+    return {
+        name: ResultMark(
+            point=_rounded(place / per_unit),
+            off_scan_mm=round(1e3 * float(gap), 3),
+            face=int(face),
+            barycentric=_rounded(barycentric),
+        )
+        for (name, place), gap, face, barycentric in zip(
+            marks.items(), _off_scan(outcome), at.faces, at.barycentric, strict=True
+        )
+    }
+
+
+def _off_scan(outcome: FitOutcome) -> Array:
+    """(M,) m from each mark to the scan's surface."""
+    return outcome.ready.prepared.target.search.query(np.array(list(outcome.ready.plan.marks.values()))).distances
+
+
+def _marks_asked(outcome: FitOutcome) -> list[DoubtedPick]:
+    if not outcome.ready.plan.marks:
+        return []
+    return [
+        DoubtedPick(
+            names=[name],
+            reason=f"The mark {name} is {1e3 * gap:.0f} mm off the scan's skin and is not followed; place it again.",
+        )
+        for name, gap in zip(outcome.ready.plan.marks, _off_scan(outcome).tolist(), strict=True)
+        if gap > OFF_SKIN
+    ]
 
 
 def _median_plane(outcome: FitOutcome) -> MedianPlane:

@@ -57,6 +57,7 @@ class FitFolder:
     vertices: Array  # (V, 3) m, the fitted model, refined or not
     landmarks: dict[str, Array]  # picked and not doubted, (3,) m
     seen: dict[str, Array]  # which the scan's colours show, (3,) m; of those not picked
+    marks: dict[str, Array]  # on the scan's skin, (3,) m, of any names
     stance: str  # standing | supine | prone
     metres_per_unit: float
     parameters: RigParameters
@@ -74,7 +75,15 @@ class FitFolder:
         """The fitted scan, for making drawings on it and transferring them."""
         target = ScanTarget(self.surface.vertices, self.surface.faces)
         return FittedScan(
-            target, self.vertices, self.landmarks, self.stance, self.radii, self.seen, self.result.predicted, self.wall
+            target,
+            self.vertices,
+            self.landmarks,
+            self.stance,
+            self.radii,
+            self.seen,
+            self.result.predicted,
+            self.wall,
+            self.marks,
         )
 
     @cached_property
@@ -192,6 +201,7 @@ def fitted(
     per_unit = METRES_PER_UNIT[result.scan.unit]
     asked_about = (*result.landmarks_not_followed, *result.landmarks_unusual)
     doubted = {name for doubt in asked_about for name in doubt.names}
+    off_skin = {name for asked in result.marks_asked for name in asked.names}
     for field, names in (("landmarks_picked", result.landmarks_picked), ("landmarks_seen", result.landmarks_seen)):
         if not names.keys() <= result.landmarks.keys() & set(rig.landmark_names):
             raise damaged(shown, field)
@@ -201,6 +211,7 @@ def fitted(
         surface=surface,
         vertices=vertices,
         landmarks={n: per_unit * np.array(at) for n, at in result.landmarks_picked.items() if n not in doubted},
+        marks={n: per_unit * np.array(mark.point) for n, mark in result.marks.items() if n not in off_skin},
         seen={name: per_unit * np.array(result.landmarks[name]) for name in result.landmarks_seen},
         stance=result.stance,
         metres_per_unit=per_unit,

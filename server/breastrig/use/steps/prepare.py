@@ -4,7 +4,7 @@ Shared by fits from files (FitJob) and fits of a program that has read its scan 
 with the request itself is found before the scan is read.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.clock import Clock
 from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name, unknown_names
+from breastrig.core.picks import Picks
 from breastrig.core.stances import AUTO, STANCES
 from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
@@ -39,7 +40,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.landmarks.landmark_files import checked_certain
-from breastrig.scan.landmarks.names import by_known_names, known_name
+from breastrig.scan.landmarks.marks import listed, with_marks
 from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan
 from breastrig.use.steps.settings import FIRST, EarlierFit, FitJob, FitSettings
@@ -54,16 +55,28 @@ FAR_LANDMARK = 0.1  # m from the scan; such a pick belongs to another scan or an
 
 def checked_landmarks(rig: Rig, landmarks_mm: dict[str, list[float]]) -> dict[str, Array]:
     """Landmarks in metres under the model's names for them; BadLandmarks names the wrong word or value."""
-    result = {}
-    places = by_known_names(landmarks_mm, landmark_words(rig))
-    if unknown := [name for name in places if name not in rig.landmark_names]:
+    return checked_picks(rig, Picks(landmarks_mm))[0]
+
+
+def checked_picks(rig: Rig, picks: Picks) -> tuple[dict[str, Array], dict[str, Array], Picks]:
+    """Landmarks in metres under the model's names for them, the marks in metres, and the picks under these names.
+
+    Raises BadLandmarks with one sentence, which names the wrong word or value.
+    """
+    named = with_marks(picks, landmark_words(rig))
+    if unknown := [name for name in named.points_mm if name not in rig.landmark_names]:
         raise BadLandmarks(unknown_names("landmark of this model", unknown, rig.landmark_names))
-    for name, place in places.items():
+    return _in_metres(named.points_mm), _in_metres(named.marks_mm, "The mark"), named
+
+
+def _in_metres(points_mm: Mapping[str, Sequence[float]], kind: str = "The landmark") -> dict[str, Array]:
+    result = {}
+    for name, place in points_mm.items():
         point = np.asarray(place, dtype=np.float64)
         if point.shape != (3,) or not np.isfinite(point).all():
-            raise BadLandmarks(f"The landmark {name} needs three finite numbers x y z.")
+            raise BadLandmarks(f"{kind} {name} needs three finite numbers x y z.")
         if np.abs(point).max() > BEYOND:
-            raise BadLandmarks(f"The landmark {name} has a coordinate larger than 1e9; check the file and its unit.")
+            raise BadLandmarks(f"{kind} {name} has a coordinate larger than 1e9; check the file and its unit.")
         result[name] = 1e-3 * point
     return result
 
@@ -73,14 +86,18 @@ def landmark_words(rig: Rig) -> dict[str, tuple[str, str]]:
     return {each.name: (each.label, each.latin) for each in rig.landmarks}
 
 
-def _near_the_scan(landmarks: dict[str, Array], target: ScanTarget) -> None:
-    if not landmarks:
+def _near_the_scan(landmarks: dict[str, Array], marks: dict[str, Array], target: ScanTarget) -> None:
+    if not landmarks and not marks:
         return
-    gaps = np.atleast_1d(target.vertex_tree.query(np.array(list(landmarks.values())))[0])
+    names = [*landmarks, *marks]
+    gaps = np.atleast_1d(target.vertex_tree.query(np.array([*landmarks.values(), *marks.values()]))[0])
     worst = int(np.argmax(gaps))
     if gaps[worst] > FAR_LANDMARK:
+        name, away = names[worst], distance_text(float(gaps[worst]))
+        if name in marks:
+            raise BadLandmarks(f"The mark {name} is {away} away from the scan; place it on this scan.")
         raise BadLandmarks(
-            f"The landmark {tuple(landmarks)[worst]} is {distance_text(float(gaps[worst]))} away from the scan; "
+            f"The landmark {name} is {away} away from the scan; "
             "check that landmarks and scan have the same unit and frame."
         )
 
@@ -96,6 +113,8 @@ class FitPlan:
     landmarks: dict[str, Array]  # picked, m, in the scan's frame
     proposed: dict[str, Array]  # the same of those that the scan's form proposed and nobody has checked
     unsure: tuple[str, ...]  # those of both that were proposed
+    marks: dict[str, Array]  # places of any name on the skin, m, in the scan's frame
+    taken_as_marks: tuple[str, ...]  # those of them that stood among the landmarks
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,20 +154,22 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
     """The settings and landmarks (mm, in the scan's frame) checked; a BadInput says what is wrong with them."""
     if settings.stance not in STANCES:
         raise BadSettings(unknown_name("stance", settings.stance, STANCES))
-    recipe, words = load_recipe(settings.preset), landmark_words(rig)
+    recipe = load_recipe(settings.preset)
     named = named_drawing(rig, settings.drawing)
     drawing = None if named is None else asked_drawing(rig, named)
     for name in settings.locked:
         block(rig, name)
-    landmarks = checked_landmarks(rig, landmarks_mm)
-    confidence = by_known_names(settings.landmark_confidence, words)
-    certain = tuple(known_name(name, words) for name in settings.certain)
-    settings = replace(settings, drawing=named, landmark_confidence=confidence, certain=certain)
+    given = Picks(landmarks_mm, settings.certain, settings.landmark_confidence, settings.marks_mm, settings.open_names)
+    landmarks, marks, picks = checked_picks(rig, given)
+    confidence = picks.confidence
+    settings = replace(settings, drawing=named, landmark_confidence=confidence, certain=picks.certain)
     checked_certain(settings.certain, landmarks, confidence)
     proposed = _only_proposed(landmarks, confidence)
     picked = {name: place for name, place in landmarks.items() if name not in proposed}
     unsure = tuple(name for name in landmarks if confidence.get(name, 1.0) < 1.0)
-    return FitPlan(settings, rig, recipe, drawing, picked, {name: landmarks[name] for name in proposed}, unsure)
+    unchecked = {name: landmarks[name] for name in proposed}
+    taken = tuple(name for name in marks if name not in settings.marks_mm)
+    return FitPlan(settings, rig, recipe, drawing, picked, unchecked, unsure, marks, taken)
 
 
 def _only_proposed(landmarks: Collection[str], confidence: Mapping[str, float]) -> frozenset[str]:
@@ -187,7 +208,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, clock: Clock) -> ReadyScan:
     wished = earlier.stance if earlier is not None and settings.stance == AUTO else settings.stance
     prepared = prepared_scan(scan, wished, None if orientation is None else orientation.frame)
     target = prepared.target
-    _near_the_scan(landmarks | plan.proposed, target)
+    _near_the_scan(landmarks | plan.proposed, plan.marks, target)
     errors = {name: expected_error(share) for name, share in settings.landmark_confidence.items() if name in landmarks}
     _build(target)
     clock.lap("prepare")
@@ -214,6 +235,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, clock: Clock) -> ReadyScan:
             *prepared.notes,
             *_seen(found, scan),
             *_unchecked(plan),
+            *_as_marks(plan),
             *_of_cohort(found.task),
         ),
     )
@@ -233,6 +255,13 @@ def _unchecked(plan: FitPlan) -> tuple[str, ...]:
     first, *others = plan.proposed
     which = f"{1 + len(others)} landmarks are" if others else f"The landmark {first} is"
     return (f"{which} as proposed from this scan, and did not pull at the fit.",)
+
+
+def _as_marks(plan: FitPlan) -> tuple[str, ...]:
+    """A note of names that no landmark has."""
+    if not plan.taken_as_marks:
+        return ()
+    return (f"Taken as marks, as no landmark has these names: {listed(plan.taken_as_marks)}.",)
 
 
 def _of_cohort(task: FitTask) -> tuple[str, ...]:

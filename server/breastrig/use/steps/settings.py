@@ -30,6 +30,8 @@ class FitSettings:
     drawing: str | None = FIRST  # see drawings/patterns.py: names, patterns with parameters, joined by +
     landmark_confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of proposed ones; absent: 1
     certain: tuple[str, ...] = ()  # picks that are followed whatever all else says
+    marks_mm: dict[str, list[float]] = field(default_factory=dict)  # as landmarks_mm, of any names
+    open_names: bool = False  # landmarks of names that the model has not are marks
     refine: bool = True  # a free-form layer on top, which follows the skin that the scan shows
     earlier: EarlierFit | None = None  # None: the start is found from landmarks and scan
     locked: tuple[str, ...] = ()  # blocks of the unknowns that stay where they start (rig/blocks.py)

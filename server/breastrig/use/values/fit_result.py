@@ -109,6 +109,7 @@ class Fit:
     seen: dict[str, str] = field(init=False)
     picked: dict[str, Array] = field(init=False)  # (3,) each: as they were given
     not_followed: dict[str, str] = field(init=False)  # given landmarks that all else contradicts, each with a sentence
+    marks: dict[str, Array] = field(init=False)  # (3,) each, of any names: as they were given
     # given landmarks that were followed and should be looked at, each with a sentence
     unusual: dict[str, str] = field(init=False)
     # pose, shape and the layer over them: `model.pose(parameters)` is `vertices`
@@ -339,6 +340,7 @@ def _public_values(found: FitFolder) -> dict[str, Any]:
         "landmarks": {name: frozen(place) for name, place in result.landmarks.items()},
         "seen": dict(result.landmarks_seen),
         "picked": {name: frozen(place) for name, place in result.landmarks_picked.items()},
+        "marks": {name: frozen(mark.point) for name, mark in result.marks.items()},
         "not_followed": {name: each.reason for each in result.landmarks_not_followed for name in each.names},
         "unusual": {name: each.reason for each in result.landmarks_unusual for name in each.names},
         "parameters": parameters_by_name(
