@@ -21,6 +21,8 @@ const wish = process.env.BREASTRIG_CHROMIUM;
 const chromium = find(wish ? [wish] : ["chromium", "chromium-browser", "google-chrome"]);
 if (!chromium) throw new Error("The browser test needs Chromium: install it, or set BREASTRIG_CHROMIUM to its path.");
 
+process.env.BREASTRIG_PLAIN_PAGES = "yes"; // what printed pages show is a question of other tests
+
 export default defineConfig({
   testDir: "e2e",
   globalSetup: "./e2e/setup.ts",

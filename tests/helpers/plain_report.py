@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.rendering.picture import Picture, Scene
-from breastrig.use.reports.report import ReportJob, report_pdf_of
+from breastrig.use.reports.report import ReportJob, report_pages_of, report_pdf_of
 from breastrig.use.reports.share_snapshot import SnapshotJob, write_snapshot
 
 
@@ -21,6 +21,12 @@ def plain_report_pdf_of(job: ReportJob) -> bytes:
     """As `report_pdf_of`."""
     _make_plain()
     return report_pdf_of(job)
+
+
+def plain_report_pages_of(job: ReportJob) -> bytes:
+    """As `report_pages_of`."""
+    _make_plain()
+    return report_pages_of(job)
 
 
 def write_plain_snapshot(job: SnapshotJob) -> None:

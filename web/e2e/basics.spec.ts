@@ -1,7 +1,7 @@
-// Files that are refused, a browser without WebGL, the example by keys, landmark files.
+// Files that are refused, landmark files, Back and Forward, what is not saved.
 import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
-import { example, hook, more, SCAN_FILE, test, untilFitted, withoutEndOfTime } from "./page";
+import { example, hook, more, SCAN_FILE, test, withoutEndOfTime } from "./page";
 
 test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
 
@@ -20,38 +20,10 @@ test("a file that is no scan is refused with the service's own sentence, and a g
   await page.locator("#scan-file").setInputFiles(SCAN_FILE);
   await hook.ready(page);
   await expect(page.getByRole("alert").filter({ visible: true })).toHaveCount(0);
-});
-
-test("the example patient is one click away, and the keyboard goes the whole way", async ({ page, base, troubles }) => {
-  await page.goto(base);
-  await example(page);
-  await hook.ready(page);
-  await page.keyboard.press("2");
-  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
-  await page.keyboard.press("1");
-  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).press("Enter");
-  await untilFitted(page);
-  const both = await hook.picture(page);
-  await page.keyboard.press("o");
-  await expect(page.locator("[popovertarget=look-menu]")).toHaveText("Both");
-  expect((await hook.picture(page)).checksum).not.toBe(both.checksum);
-  await page.keyboard.press("?");
-  await expect(page.getByRole("dialog")).toBeVisible();
+  await page.getByRole("button", { name: "More" }).click();
+  await expect(page.locator("#page-menu")).toBeVisible();
   await page.keyboard.press("Escape");
-  await expect(page.getByRole("dialog")).toBeHidden();
-  expect(troubles).toEqual([]);
-});
-
-test("the page says so when the browser has no WebGL", async ({ page, base }) => {
-  await page.addInitScript(() => {
-    const canvas = HTMLCanvasElement.prototype as unknown as { getContext: (this: HTMLCanvasElement, kind: string, ...rest: unknown[]) => unknown };
-    const original = canvas.getContext;
-    canvas.getContext = function (kind, ...rest) {
-      return kind.startsWith("webgl") ? null : original.call(this, kind, ...rest);
-    };
-  });
-  await page.goto(base);
-  await expect(page.getByRole("alert").filter({ hasText: "WebGL" })).toBeVisible();
+  await expect(page.locator("#page-menu")).toBeHidden();
 });
 
 test("the landmarks are saved in the four kinds that the page and other programs read", async ({ page, base, troubles }, info) => {
@@ -131,16 +103,6 @@ test("Back and Forward go through patient and steps and stay in the page; a dele
   await page.goto("about:blank"); // the page is left: the service is told at once
   await expect.poll(async () => (await page.request.get(base + links.self)).status()).toBe(404);
   expect(troubles).toEqual([]);
-});
-
-test("Escape closes the menu", async ({ page, base }) => {
-  await page.goto(base);
-  await example(page);
-  await hook.ready(page);
-  await page.getByRole("button", { name: "More" }).click();
-  await expect(page.locator("#page-menu")).toBeVisible();
-  await page.keyboard.press("Escape");
-  await expect(page.locator("#page-menu")).toBeHidden();
 });
 
 test("landmarks that the service does not take are asked about before another patient, and nothing is lost by staying", async ({ page, base }) => {

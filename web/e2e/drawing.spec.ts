@@ -5,7 +5,7 @@ import { expect, type Page } from "@playwright/test";
 import type { OwnDrawing, PlanOnScan, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
 import { cross } from "../src/viewer/frame";
-import { addToPlan, details, distance, example, hook, look, numberField, openDetails, openFiles, planItem, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
+import { addToPlan, details, distance, fittedExample, hook, look, numberField, openDetails, openFiles, planItem, SCAN_FILE, test, trueLandmarks, untilFitted, untilStill } from "./page";
 
 const ON_SKIN_MM = 0.5;
 
@@ -282,19 +282,12 @@ test("the pen by keys alone: a cross on the body, Enter sets corners, twice ends
 });
 
 test("a pattern with its numbers and a tumour by the clock are drawn on the fitted patient", async ({ page, base, troubles }) => {
-  await page.goto(base);
-  await example(page);
-  await hook.ready(page);
-  await page.keyboard.press("2");
-  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
-  await page.keyboard.press("1");
-  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).first().click();
-  await untilFitted(page);
+  await fittedExample(page, base);
   const first = (await hook.fit(page))!.id;
-  await page.keyboard.press("3");
   await untilStill(page);
   const before = await hook.picture(page);
   await addToPlan(page, /Wise/);
+  await expect(page.locator(`.item-details [data-line="wise_L"]`)).toHaveCount(1); // it is drawn
   const areola = numberField(page, "areola_mm");
   await areola.fill("99");
   await areola.press("Tab");
@@ -359,38 +352,14 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await expect.poll(async () => (await hook.fit(page))!.id).not.toBe(first);
   await untilFitted(page);
   expect(JSON.stringify((await page.evaluate(() => window.__breastrig!.state())).problems)).toBe("{}");
+  const alone = (await page.evaluate(() => window.__breastrig!.state().fit!.result!));
+  expect([alone.refined, alone.surface_distance_mm], "the model alone").toEqual([false, alone.model_alone!.surface_distance_mm]);
   await page.reload();
   await hook.ready(page);
   await untilFitted(page);
   expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
   await expect(page.locator(`.item-details [data-line="wise_L"]`)).toHaveCount(1);
   expect(troubles).toEqual([]);
-});
-
-test("one finger draws, two turn the body and draw nothing", async ({ browser, base }) => {
-  const context = await browser.newContext({ hasTouch: true, viewport: { width: 1024, height: 768 } });
-  const page = await context.newPage();
-  await open(page, base);
-  await page.getByRole("button", { name: "Pen", exact: true }).click();
-  await untilStill(page);
-  const truth = trueLandmarks();
-  const from = await at(page, truth.mid_sternum!);
-  const touch = await context.newCDPSession(page);
-  const send = (type: "touchStart" | "touchMove" | "touchEnd", ...points: [number, number][]) =>
-    touch.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
-  await send("touchStart", [from.x, from.y]);
-  for (let i = 1; i <= 12; i += 1) await send("touchMove", [from.x + 4 * i, from.y]);
-  await send("touchEnd");
-  await expect.poll(async () => (await lines(page)).length).toBe(1);
-  const pose = () => page.evaluate(() => window.__breastrig!.pose().eye);
-  const before = await pose();
-  await send("touchStart", [from.x, from.y]);
-  await send("touchStart", [from.x, from.y], [from.x + 80, from.y]);
-  for (let i = 1; i <= 8; i += 1) await send("touchMove", [from.x + 6 * i, from.y], [from.x + 80 + 6 * i, from.y]);
-  await send("touchEnd");
-  await expect.poll(async () => distance(await pose(), before)).toBeGreaterThan(0.05);
-  expect(await lines(page)).toHaveLength(1);
-  await context.close();
 });
 
 test("a table is hidden and, when it is shown, the pen draws nothing on it, and a stroke that runs off the patient ends where her skin ends", async ({ page, base, troubles }) => {

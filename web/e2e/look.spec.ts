@@ -2,7 +2,7 @@
 // and the measure that is pointed at in the table.
 import { expect, type Page } from "@playwright/test";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { example, hook, look, openDetails, test, trueLandmarks, until, untilFitted, untilStill } from "./page";
+import { fittedExample, hook, look, openDetails, test, trueLandmarks, until, untilStill } from "./page";
 import { inTheme } from "./states";
 
 /** Red over blue of the pixels around page places; skin-coloured clay has more red than a grey scan. */
@@ -32,14 +32,7 @@ const spread = (values: readonly number[]): number => {
 };
 
 test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => {
-  await page.goto(base);
-  await example(page);
-  await hook.ready(page);
-  await page.keyboard.press("2");
-  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
-  await page.keyboard.press("1");
-  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).first().click();
-  await untilFitted(page);
+  await fittedExample(page, base, { step: "body" });
   await until(page, () => window.__breastrig?.state().fit?.distances);
   const truth = trueLandmarks();
   const places: { x: number; y: number }[] = [];

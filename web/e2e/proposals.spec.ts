@@ -1,7 +1,7 @@
-// Proposed landmarks: dashed marks where the API says, confirmed on the canvas, in the list and one after the other, or left to the fit.
+// Proposed landmarks: dashed marks where the API says, confirmed on the canvas, in the list and one after the other.
 import { expect } from "@playwright/test";
-import type { ProposedLandmarks, Result } from "../src/api/types";
-import { example, hook, openDetails, test, untilFitted, untilStill } from "./page";
+import type { ProposedLandmarks } from "../src/api/types";
+import { example, hook, test, untilStill } from "./page";
 
 test("proposals are dashed until they are confirmed, and then picks like any other", async ({ page, base, troubles }) => {
   let answer = (): void => undefined;
@@ -99,19 +99,6 @@ test("proposals are dashed until they are confirmed, and then picks like any oth
     const { x, y } = await hook.project(page, landmarks.nipple_L!.point);
     await page.mouse.click(x - 25, y);
     expect(await hook.pick(page, "nipple_L")).not.toEqual(landmarks.nipple_L!.point);
-  });
-
-  await test.step("the surface follows the skin, unless the model alone is wanted", async () => {
-    await page.keyboard.press("1");
-    await expect(page.getByLabel("Follow the skin")).toBeChecked();
-    await openDetails(page);
-    await page.getByLabel("Follow the skin").uncheck();
-    await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
-    await untilFitted(page);
-    const fit = (await hook.fit(page))!;
-    const result = (await (await page.request.get(`${base}/api/fits/${fit.id}/result.json`)).json()) as Result;
-    expect(result.refined).toBe(false);
-    expect(result.model_alone!.surface_distance_mm).toEqual(result.surface_distance_mm);
   });
   expect(troubles).toEqual([]);
 });

@@ -4,16 +4,10 @@ import { expect } from "@playwright/test";
 import type { Fit, Result } from "../src/api/types";
 import { distanceWithin, readDistances, SCANNER_MM, summarise } from "../src/fit/distances/distances";
 import { formatMm, formatPercent, formatSignedMm } from "../src/ui/units";
-import { distance, example, hook, look, more, openFiles, test, until, untilFitted, untilStill } from "./page";
+import { distance, fittedExample, hook, look, more, openFiles, test, until, untilFitted, untilStill } from "./page";
 
 test("distances are coloured, read under the pointer, and are the service's", async ({ page, base, troubles }) => {
-  await page.goto(base);
-  await example(page);
-  await hook.ready(page);
-  await page.keyboard.press("2");
-  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
-  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
-  await untilFitted(page);
+  await fittedExample(page, base, { step: "body" });
   const { id } = (await hook.fit(page))!;
   const result = (await (await page.request.get(`${base}/api/fits/${id}/result.json`)).json()) as Result;
   const file = await (await page.request.get(`${base}/api/fits/${id}/distances.bin`)).body();
@@ -112,13 +106,7 @@ test("distances are coloured, read under the pointer, and are the service's", as
 });
 
 test("a landmark that is dragged after the fit is fitted again at once, and arrow keys move one along the skin", async ({ page, base, troubles }) => {
-  await page.goto(base);
-  await example(page);
-  await hook.ready(page);
-  await page.keyboard.press("2");
-  await page.getByRole("button", { name: "Use the example's landmarks" }).click();
-  await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
-  await untilFitted(page);
+  await fittedExample(page, base, { step: "points" });
   await untilStill(page);
   const first = (await hook.fit(page))!;
   const before = (await hook.pick(page, "umbilicus"))!;
