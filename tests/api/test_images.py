@@ -20,6 +20,7 @@ from breastrig.scan.images.added_lesions import LesionsRead
 from breastrig.scan.kept_image import read_image
 from breastrig.scan.piece import BallInside
 from breastrig.scan.read import read_scan
+from breastrig.scan.stored_scan import STORED
 from breastrig.service.scans import uploads
 from breastrig.service.service import Service
 
@@ -233,16 +234,23 @@ def test_a_segmentation_in_the_zip_is_in_the_plan_or_said_to_be_left_out(client:
     client.delete(refused.json["links"]["self"])
 
 
+@pytest.mark.parametrize("wall", [None, (np.array([[0.0, 0.0, 0.0], [9, 0, 0], [0, 0, 9]]), np.array([[0, 1, 2]]))])
 @pytest.mark.parametrize("meanwhile", ["moved", "deleted"])
 def test_a_scan_that_is_moved_or_deleted_while_its_lesions_are_read(
-    client: FlaskClient, service: Service, scan: dict, torso: bytes, monkeypatch: pytest.MonkeyPatch, meanwhile: str
+    client: FlaskClient,
+    service: Service,
+    scan: dict,
+    torso: bytes,
+    monkeypatch: pytest.MonkeyPatch,
+    meanwhile: str,
+    wall: tuple | None,
 ) -> None:
     def read(*_task: object) -> LesionsRead:
         if meanwhile == "moved":
             assert client.put(f"/api/scans/{scan['id']}/patient", json={"patient": None}).status_code == 200
         else:
             assert client.delete(scan["links"]["self"]).status_code == 204
-        return LesionsRead((BallInside("Lesion 1", np.zeros(3), 5.0),), (), ())
+        return LesionsRead((BallInside("Lesion 1", np.zeros(3), 5.0),), (), (), wall)
 
     monkeypatch.setattr(service.uploads, "_result", read)
     answer = add(client, scan, torso)
@@ -251,4 +259,8 @@ def test_a_scan_that_is_moved_or_deleted_while_its_lesions_are_read(
     else:
         assert answer.status_code == 200, answer.json
         assert [each["name"] for each in planned(client, client.get(scan["links"]["self"]).json)] == ["Lesion 1"]
+        kept = read_scan(service.storage.files.scan(scan["id"]) / "scan.stored", STORED)
+        assert (kept.wall is None) == (wall is None)
+        if wall is not None and kept.wall is not None:
+            np.testing.assert_allclose(1e3 * kept.wall[0], wall[0])
     assert list((service.storage.root / "incoming").iterdir()) == []

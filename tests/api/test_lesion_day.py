@@ -2,8 +2,10 @@
 
 import gzip
 import io
+import json
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pypdf
@@ -13,6 +15,7 @@ from helpers.blank_pictures import blank_pictures_in_reports
 from helpers.label_maps import front_labels, in_lps, nifti
 from helpers.scan_files import ply_text
 from helpers.waiting import ended
+from helpers.walled_patient import lesion_of, walled_patient
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
@@ -126,3 +129,26 @@ def test_a_lesion_of_an_mri_is_seen_on_all_scans_moved_reported_and_shared(
             (node,) = (each for each in split_glb(glb.data)[0]["nodes"] if each.get("name") == "lesion_Lesion 1")
         assert node["extras"]["error_mm"] == shown["error_mm"]
         assert np.multiply(node["translation"], 1e3) == pytest.approx(shown["center"], abs=1e-2)
+
+
+def test_a_lesion_near_a_wall_that_the_label_map_names_stays_by_it(
+    real: tuple[Service, FlaskClient], tmp_path: Path
+) -> None:
+    service, client = real
+    rig = walled_patient(tmp_path)
+    patient, plans = "", {}
+    for stance, name in (("prone", "mri.nrrd"), ("standing", "standing.ply")):
+        data = {"file": (io.BytesIO((tmp_path / name).read_bytes()), name), "patient": patient}
+        scan = client.post("/api/scans", data=data).json
+        patient = scan["patient"]
+        picked = json.loads((tmp_path / f"{stance}.json").read_text())["landmarks"]
+        fit = client.post("/api/fits", json={"scan": scan["id"], "stance": stance, "landmarks": picked}).json
+        assert ended(service, fit["id"]).state == "done"
+        plans[stance] = client.get(fit["links"]["plan"]).json
+    (given,), (there,) = (plans[stance]["lesions"] for stance in ("prone", "standing"))
+    assert np.linalg.norm(there["center"] - 1e3 * lesion_of(rig)) < 5.0  # 8.7 without
+    seen = {
+        stance: [each.get("seen") for each in one["distances"] if each["kind"] == "chest_wall"]
+        for stance, one in (("prone", given), ("standing", there))
+    }
+    assert seen == {"prone": [True], "standing": [None]}

@@ -8,9 +8,12 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.scan.images.image import ImageVolume
+from helpers.dicom_files import Series, files, uid, zipped
 from helpers.grid_files import nrrd, nrrd_fields, slicer_words, to_lps
 from helpers.label_maps import above_navel, in_lps, labels_behind
 from helpers.scan_files import ply_text
+from helpers.structure_sets import Region, ball, structures
 
 WALL = 0.05  # m behind the tip of a breast that does not hang
 LESION, RADIUS = 0.006, 6.0  # m over the wall, and mm
@@ -55,6 +58,26 @@ def label_map(rig: Rig, wall: str = "Pectoral muscle") -> bytes:
     labels, low, sizes = labels_of(rig)
     words = [("Body", 0, 1, TISSUE, TISSUE), ("Lesion", 0, 2, TISSUE, TISSUE), (wall, 0, 3, TISSUE, TISSUE)]
     return nrrd(labels, nrrd_fields(labels, to_lps(low, sizes)), slicer_words(words))
+
+
+def contours(rig: Rig, wall: str = "Chest wall", lesion: str = "GTV") -> bytes:
+    """RTSTRUCT of the wall and the lesion under these names, in the frame of `image`; without one that has no name."""
+    labels, low, sizes = labels_of(rig)
+    front = in_lps(marks(rig, rig.template)["nipple_L"])[1] + 1e3 * WALL
+    across, _, along = (low[k] + sizes[k] * np.unique(at) for k, at in enumerate(np.nonzero(labels == 3)))
+    sides = [(across[0], front), (across[-1], front), (across[-1], front + THICK), (across[0], front + THICK)]
+    plate = Region([np.array([[x, y, z] for x, y in sides]) for z in along], wall)
+    shift = np.array([0.0, 0.0, along[0] % sizes[2]])  # to the planes of the plate
+    inside = ball(in_lps(lesion_of(rig)) - shift, RADIUS, float(sizes[2]))
+    regions = [plate, Region([each + shift for each in inside.contours], lesion)]
+    return structures([each for each in regions if each.name], uid("frame"))
+
+
+def image(rig: Rig, beside: bytes = b"") -> bytes:
+    """The MRI of these labels as DICOM in a zip: light where there is a body; with a file of lesions beside it."""
+    labels, low, sizes = labels_of(rig)
+    series = Series(ImageVolume((600 * (labels > 0)).astype(np.uint16), to_lps(low, sizes)))
+    return zipped(files(series) | ({"RTSTRUCT": beside} if beside else {}))
 
 
 def walled_patient(folder: Path) -> Rig:

@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 from helpers.label_maps import in_lps
 from helpers.results import without_hashes
-from helpers.walled_patient import LESION, WALL, lesion_of, marks, walled_patient
+from helpers.walled_patient import LESION, WALL, contours, image, lesion_of, marks, uid, walled_patient
 
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.errors import BadInput
-from breastrig.files.result import read_result
+from breastrig.files.result import ResultFile, read_result
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.use.steps.prepare import scan_of_job
+from breastrig.use.steps.settings import FitJob
 
 pytestmark = pytest.mark.slow
 
@@ -106,6 +108,71 @@ def test_a_case_and_a_batch_have_it(fits: Path, tmp_path: Path) -> None:
     assert read_result(tmp_path / "batch" / "0001-mri").wall == wanted
     case.delete_scan(scan)
     assert not any(b'"wall"' in file.read_bytes() for file in (tmp_path / "hers").rglob("*") if file.is_file())
+
+
+@pytest.fixture(scope="module")
+def drawn(fits: Path, rig: Rig) -> Path:
+    """mri.zip, and drawn.dcm: wall and lesion as contours on it."""
+    (fits / "mri.zip").write_bytes(image(rig))
+    (fits / "drawn.dcm").write_bytes(contours(rig))
+    return fits
+
+
+def lies_on_the_plate(found: ResultFile | None, rig: Rig) -> bool:
+    assert found is not None
+    assert found.wall is not None
+    plane = in_lps(marks(rig, rig.template)["nipple_L"])[1] + 1e3 * WALL
+    away = np.abs(np.array(found.wall.points)[:, 1] - plane)
+    return bool(np.median(away) < 1.0 and np.percentile(away, 90) < 4.0)  # its rim is rounded
+
+
+def test_contours_on_an_image_have_it_by_option_argument_column_and_beside_it(
+    drawn: Path, rig: Rig, tmp_path: Path
+) -> None:
+    words = ["fit", str(drawn / "mri.zip"), "--landmarks", str(drawn / "prone.json"), "-o", str(drawn / "by_option")]
+    assert main([*words, "--lesions", str(drawn / "drawn.dcm"), "--no-progress"]) == 0
+    result = read_result(drawn / "by_option")
+    assert lies_on_the_plate(result, rig)
+    assert [each.name for each in result.lesions] == ["Lesion 1"]
+    off = np.linalg.norm(carried(drawn, "by_option")["center"] - 1e3 * lesion_of(rig))
+    assert off < 0.7 * np.linalg.norm(carried(drawn, "unseen")["center"] - 1e3 * lesion_of(rig))
+    scan = breastrig.read_scan(drawn / "mri.zip")
+    assert scan.in_metres.wall is None
+    known = scan.with_lesions(drawn / "drawn.dcm").in_metres.wall
+    beside = breastrig.read_scan(image(rig, contours(rig))).in_metres.wall
+    assert known is not None
+    assert beside is not None
+    np.testing.assert_allclose(1e3 * known[0], result.wall.points, atol=0.06)
+    np.testing.assert_array_equal(beside[0], known[0])
+    job = FitJob(drawn / "mri.zip", tmp_path, {}, lesions=(contours(rig),))  # as a row of a batch has it
+    assert scan_of_job(job).wall is not None
+
+
+def test_a_wall_alone_is_taken_in_the_images_own_frame_only(drawn: Path, rig: Rig) -> None:
+    scan = breastrig.read_scan(drawn / "mri.zip")
+    alone = scan.with_lesions(contours(rig, lesion=""))
+    assert (alone.in_metres.wall is not None, alone.in_metres.lesions) == (True, ())
+    assert any("No segment of this file was taken for a lesion" in note for note in alone.notes)
+    assert scan.with_lesions(contours(rig, "Ribs")).in_metres.wall is None
+    elsewhere = contours(rig, lesion="").replace(uid("frame").encode(), uid("another")[: len(uid("frame"))].encode())
+    assert scan.with_lesions(elsewhere).in_metres.wall is None
+
+
+def test_a_case_keeps_it_with_the_scan_for_the_fits_that_come(drawn: Path, rig: Rig, tmp_path: Path) -> None:
+    case = breastrig.Case.create(tmp_path / "hers")
+    scan = case.add_scan(drawn / "mri.zip")
+    case.put_landmarks(scan, drawn / "prone.json")
+    assert case.fit(scan).in_metres.wall is None
+    taken = case.add_lesions(scan, drawn / "drawn.dcm")
+    assert any(note.endswith("do not know its chest wall; fit it again.") for note in taken.notes)
+    given, kept = breastrig.read_scan(drawn / "mri.zip").with_lesions(drawn / "drawn.dcm"), case.read_scan(scan)
+    assert np.array_equal(kept.vertices, given.vertices)
+    assert given.in_metres.wall is not None
+    assert kept.in_metres.wall is not None  # which the next fit reads
+    assert np.array_equal(kept.in_metres.wall[0], given.in_metres.wall[0])
+    (drawn / "ribs.dcm").write_bytes(contours(rig, "Ribs"))
+    assert not any("do not know" in note for note in case.add_lesions(scan, drawn / "ribs.dcm").notes)
+    assert case.read_scan(scan).in_metres.wall is not None
 
 
 @pytest.mark.parametrize(

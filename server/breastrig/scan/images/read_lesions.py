@@ -39,7 +39,7 @@ def with_lesions(scan: Scan, sources: Sequence[Path | bytes], answers: VolumeAns
             scan,
             lesions=(*scan.lesions, *(_scaled(each, 1e-3) for each in named.lesions if each.is_new)),
             segments=(*scan.segments, *named.segments),
-            wall=scan.wall or (None if found.wall is None else (1e-3 * found.wall[0], found.wall[1])),
+            wall=scan.wall if found.wall is None else (1e-3 * found.wall[0], found.wall[1]),
             notes=(*scan.notes, *named.notes),
         )
     return scan
@@ -64,7 +64,7 @@ def with_lesions_beside(image: Pieces, files: Sequence[bytes], answers: VolumeAn
             image,
             lesions=(*image.lesions, *new),
             notes=(*image.notes, *named.notes),
-            wall=image.wall or found.wall,
+            wall=found.wall or image.wall,
         )
     return image
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from breastrig.cases.plans import add_lesions
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadScan, NotFound, TooLarge, unknown_name
 from breastrig.core.model_choice import ModelChoice
@@ -34,7 +33,7 @@ from breastrig.storage.documents.scans import StoredScan
 from breastrig.storage.files import MESH, THUMBNAIL, VOLUME, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, utc_now
-from breastrig.use.cases.case_work import volume_of
+from breastrig.use.cases.case_work import take_lesions, volume_of
 from breastrig.use.read_upload import LesionsJob, UploadJob, read_lesions, read_upload
 
 CHUNK = 2**20
@@ -120,7 +119,7 @@ class Uploads:
         return row, labels
 
     def add_lesions(self, scan_id: str, source: IO[bytes], answers: VolumeAnswers = NOTHING_SAID) -> TakenLesions:
-        """Reads lesions of another file, which lie in the scan's image, into the plan; keeps nothing else of it.
+        """Reads lesions of another file, which lie in the scan's image, into the plan, and its chest wall to the scan.
 
         Raises as `add`, Conflict where the plan has no room for them.
         """
@@ -138,7 +137,7 @@ class Uploads:
         finally:
             self._storage.discard(place)
         case = self._storage.case_of_scan(scan_id)  # it may have been moved
-        taken = add_lesions(case, scan_id, read.lesions, read.segments, read.notes)
+        taken = take_lesions(case, scan_id, read)
         self._storage.index.refresh(case.id)
         return taken
 

@@ -155,7 +155,8 @@ class Case:
     ) -> TakenLesions:
         """Reads lesions that were drawn on the scan's image into the plan: NIfTI, NRRD, DICOM SEG or RTSTRUCT.
 
-        Lesions that the plan has are not added again.  `frame` and `segments` are those of `read_scan`; `same_place`
+        Lesions that the plan has are not added again; a chest wall that the file names is kept for the fits that come.
+        `frame` and `segments` are those of `read_scan`; `same_place`
         says that the file lies where the image does, though it does not say so itself.
         Raises BadScan, TooLarge or another BadInput with one sentence, and then changes nothing; of BadScan
         NeedsAnswer, whose `question` has the choices.

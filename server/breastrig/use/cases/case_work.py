@@ -1,5 +1,6 @@
 """A case at work: a scan read into it, a fit run in it.  Knows neither processes nor the index."""
 
+import dataclasses
 import json
 from collections.abc import Callable, Generator, Iterator
 from contextlib import closing, contextmanager, suppress
@@ -10,7 +11,7 @@ from typing import Any, cast
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, sync_file, utc_now
 from breastrig.cases.documents import FitDocument, ScanDocument
-from breastrig.cases.fits import CANCELLED, Claim, added, events_after, find_fit, get_fit
+from breastrig.cases.fits import CANCELLED, Claim, added, events_after, find_fit, fit_ids, get_fit
 from breastrig.cases.of_scans import get_cuts, get_landmarks
 from breastrig.cases.plans import add_lesions, put_items_of_scan
 from breastrig.cases.writing import replace
@@ -20,8 +21,9 @@ from breastrig.core.stances import Stance
 from breastrig.core.units import UNIT_CHOICES
 from breastrig.drawings.plan_schema import PlanLesion
 from breastrig.files.result import RESULT
-from breastrig.scan.images.added_lesions import NO_IMAGE, TakenLesions
+from breastrig.scan.images.added_lesions import NO_IMAGE, LesionsRead, TakenLesions
 from breastrig.scan.limits import TRIANGLES
+from breastrig.scan.stored_scan import read_stored, write_stored
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.use.fit import run_fit
 from breastrig.use.predict import PredictionJob, run_prediction
@@ -29,6 +31,7 @@ from breastrig.use.read_upload import LesionsJob, UploadJob, read_lesions, read_
 from breastrig.use.steps.events import Event, Failed, event_json
 from breastrig.use.steps.settings import EarlierFit, FitJob
 
+FIT_AGAIN = "Fits of this image that were made before do not know its chest wall; fit it again."
 BROKE = "The fit broke for a reason inside BreastRig; start the fit again."
 
 
@@ -77,10 +80,26 @@ def volume_of(case: CaseFolder, scan_id: str) -> Path:
 def lesions_into_case(case: CaseFolder, scan_id: str, file: Path, answers: VolumeAnswers) -> TakenLesions:
     """Reads lesions of another file than the scan's, which lie in its image, into the plan.
 
-    Nothing else is kept of the file.  Raises BadScan, TooLarge, NotFound, Conflict.
+    Nothing but a chest wall is kept of the file.  Raises BadScan, TooLarge, NotFound, Conflict.
     """
-    read = read_lesions(LesionsJob(file, volume_of(case, scan_id), answers))
-    return add_lesions(case, scan_id, read.lesions, read.segments, read.notes)
+    return take_lesions(case, scan_id, read_lesions(LesionsJob(file, volume_of(case, scan_id), answers)))
+
+
+def take_lesions(case: CaseFolder, scan_id: str, read: LesionsRead) -> TakenLesions:
+    """Lesions that were read into the plan, and a chest wall into the kept scan, for the fits that come.
+
+    Raises NotFound, Conflict, OSError.
+    """
+    notes = read.notes
+    if read.wall is not None:
+        with case.incoming() as made, case.writing():
+            file = case.scan_folder(scan_id) / case.scan(scan_id).file
+            wall = 1e-3 * read.wall[0], read.wall[1]
+            write_stored(dataclasses.replace(read_stored(file, for_display=False), wall=wall), made / file.name)
+            sync_file(made / file.name)
+            replace(made / file.name, file)
+        notes += (FIT_AGAIN,) if fit_ids(case, scan_id) else ()
+    return add_lesions(case, scan_id, read.lesions, read.segments, notes)
 
 
 def asked_fit(case: CaseFolder, scan_id: str, **asked: Any) -> FitDocument:
