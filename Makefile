@@ -16,7 +16,7 @@ help:
 	@echo "make cohort  solve women under gravity and estimate what it does to breasts   (WOMEN=400 COHORT=data/gravity)"
 	@echo "make docs    build the documentation into dist/docs; warnings are errors"
 	@echo "make bench   measure the hot paths   (BENCH=--benchmark-timer=time.process_time where other work runs)"
-	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: eighty times as many as in make test)"
+	@echo "make fuzz    many made-up files and requests: a table of what each reader and call did   (FUZZ=20: two hundred times as many as in make test)"
 	@echo "make scale   the service with a Dask cluster as well, a killed server and worker among it"
 	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
 	@echo "make load    clients that work, viewers, and readers of a large scan through a link: times, memory, errors   (LOAD=\"--seconds 60\")"
@@ -64,12 +64,12 @@ docs: $(VENV)/.stamp-docs
 vitest: web-packages
 	$(IN_VENV) npm --prefix web test
 
-# One process more than cores, for a third of the tests' time is waiting for servers; at most four.  Python keeps what it
-# has compiled, whatever the surroundings say: else each of the hundreds of programs that are started compiles all of ours.
+# As many processes as cores, at most four: each takes 12 s to import what it tests, and what waits leaves room for the
+# browser's tests beside them.  Python keeps what it has compiled, whatever the surroundings say: else each of the hundreds of programs that are started compiles all of ours.
 pytest: page $(VENV)/.stamp-test
-	cores="$$(getconf _NPROCESSORS_ONLN)"; [ "$$cores" -lt 4 ] || cores=3; \
+	cores="$$(getconf _NPROCESSORS_ONLN)"; [ "$$cores" -lt 4 ] || cores=4; \
 	BREASTRIG_NGINX="$$(sh .ci/nginx.sh)" && export BREASTRIG_NGINX && \
-	    PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$((cores + 1))" --dist loadfile --no-loadscope-reorder \
+	    PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 $(IN_VENV) "$(VENV)/bin/python" -m pytest -n "$$cores" --dist loadfile --no-loadscope-reorder \
 	    -m "not soak" # they are in `make faults`, `make scale` and `make load`
 
 browser: page web-packages $(VENV)/.stamp-test

@@ -24,8 +24,14 @@ pytestmark = pytest.mark.long
 def test_a_server_that_is_killed_forgets_no_fit_and_leaves_no_process(
     tmp_path: Path, model: Path, torso: bytes
 ) -> None:
-    data, log = tmp_path / "data", tmp_path / "log"
-    with server(data, model, log) as (process, address), httpx.Client(base_url=address, timeout=PATIENCE_S) as client:
+    """And no process of it inherits its secret."""
+    data, log, token = tmp_path / "data", tmp_path / "log", "a-token-of-more-than-sixteen-characters"
+
+    def asking(address: str) -> httpx.Client:
+        return httpx.Client(base_url=address, headers={"Authorization": f"Bearer {token}"}, timeout=PATIENCE_S)
+
+    with server(data, model, log, BREASTRIG_TOKEN=token) as (process, address), asking(address) as client:
+        assert httpx.get(f"{address}api/meta", timeout=PATIENCE_S).status_code == 401
         scan_id = client.post("/api/scans", files={"file": ("torso.ply", torso)}).json()["id"]
         body = {"scan": scan_id, "drawing": None}
         done = client.post("/api/fits", json=body).json()["links"]
@@ -35,10 +41,15 @@ def test_a_server_that_is_killed_forgets_no_fit_and_leaves_no_process(
         first = client.get(running[0]["events"] + ".json?limit=3").json()["events"]
         begun = client.get(running[0]["self"]).json()
         below = children(process.pid)
+        commands = [Path(f"/proc/{pid}/cmdline").read_bytes() for pid in below]
+        environments = [Path(f"/proc/{pid}/environ").read_bytes() for pid in below]
+        assert any(b"forkserver" in command for command in commands)  # every task's process is made of it
+        assert any(b"PATH=" in environment for environment in environments)
+        assert not any(token.encode() in environment for environment in environments)
         process.kill()
         process.wait()
         until(lambda: not alive(below), "the end of all processes")
-    with server(data, model, log) as (_, address), httpx.Client(base_url=address, timeout=PATIENCE_S) as client:
+    with server(data, model, log, BREASTRIG_TOKEN=token) as (_, address), asking(address) as client:
         assert read_events(client, done["events"]) == received
         fits = [client.get(links["self"]).json() for links in running]
         assert {fit["state"] for fit in fits} <= {"queued", "running"}
@@ -51,11 +62,23 @@ def test_a_server_that_is_killed_forgets_no_fit_and_leaves_no_process(
 
 
 @pytest.fixture(scope="module")
-def address(model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Of a server for tests that leave it as it is."""
+def served(model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, str]]:
+    """Address of a server for tests that leave it as it is, and what it says of who may read: it has no token."""
     folder = tmp_path_factory.mktemp("server")
-    with server(folder / "data", model, folder / "log") as (_, address):
-        yield address
+    with server(folder / "data", model, folder / "log") as (process, address):
+        assert process.stdout is not None
+        yield address, process.stdout.readline()
+
+
+@pytest.fixture
+def address(served: tuple[str, str]) -> str:
+    return served[0]
+
+
+def test_without_a_token_it_says_who_may_read(served: tuple[str, str]) -> None:
+    address, said = served
+    assert said.startswith("No token: every user and program of this machine can read")
+    assert httpx.get(f"{address}api/patients", timeout=PATIENCE_S).status_code == 200
 
 
 def test_a_scan_goes_in_and_the_fit_comes_out(address: str, torso: bytes) -> None:

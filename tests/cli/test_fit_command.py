@@ -11,7 +11,6 @@ import numpy as np
 import pygltflib
 import pytest
 import trimesh
-from helpers.point_files import xyz
 from helpers.results import TO_LANDMARKS, without_hashes
 
 import breastrig
@@ -337,25 +336,6 @@ def test_a_tumour_at_ten_oclock_of_the_left_breast_is_its_upper_inner_quadrant(p
     assert arm @ left < 0.0
     assert arm @ up > 0.0
     assert (middle["tumour_R"] - marks["nipple_R"]) @ left > 0.0  # 3 o'clock is medial on the right breast
-
-
-def test_a_cloud_of_points_on_a_floor_is_fitted_and_both_are_said(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
-    low, high = scan.bounds
-    x, z = (each.ravel() for each in np.meshgrid(np.arange(low[0], high[0], 0.006), np.arange(low[2], high[2], 0.006)))
-    floor = np.column_stack([x, np.full_like(x, low[1] - 0.03), z])
-    points = np.concatenate([np.asarray(scan.vertices), floor])
-    (tmp_path / "scan.xyz").write_bytes(xyz(points, "xyz"))
-    options = ["--landmarks", str(EXAMPLE / "landmarks.json"), "--no-refine", "-o", str(tmp_path / "out")]
-    assert main(["fit", str(tmp_path / "scan.xyz"), *options]) == 0
-    facts = document(tmp_path / "out", "result.json")["scan"]
-    assert facts["reconstructed_from_points"] is True
-    assert facts["cut_away_cm2"] == pytest.approx(1e4 * np.ptp(x) * np.ptp(z), rel=0.1)
-    said = capsys.readouterr().err
-    assert "surface was made from them" in said
-    assert f"cut away: {facts['cut_away_cm2']:,} cm²" in said
 
 
 def test_what_was_lost_of_a_scan_is_said_on_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

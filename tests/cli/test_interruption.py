@@ -30,7 +30,7 @@ original = breastrig.use.fit.checked_iterates
 
 def swallowing():
     try:
-        os.kill(os.getpid(), signal.{signal})
+        os.kill(os.getpid(), signal.SIGTERM)
         for _ in range(1000):
             pass
     except BaseException:
@@ -39,58 +39,40 @@ def swallowing():
 def interrupted(*given, **named):
     for k, iterate in enumerate(original(*given, **named)):
         if k == 3:
-            {act}
+            swallowing()
         yield iterate
 
 breastrig.use.fit.checked_iterates = breastrig.fitting.hypotheses.checked_iterates = interrupted
 """
 
 
-def run(before: str, out: Path) -> subprocess.CompletedProcess[str]:
-    """`breastrig fit` in a process of its own, in which `before` is run first."""
+def run(before: str, out: Path | None) -> subprocess.CompletedProcess[str]:
+    """`breastrig fit`, or what needs no scan, in a process of its own, in which `before` is run first."""
     words = ["breastrig", "fit", SCAN, "--landmarks", PICKS, "--drawing", "none", "-o", str(out)]
+    words = words if out else ["breastrig", "presets", "list"]
     start = f"\nsys.argv = {words!r}\n"
     start += "from breastrig.cli.entry import entry\nentry()\n"
     return subprocess.run([sys.executable, "-c", before + start], capture_output=True, text=True, check=False)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("module", "signal", "code"),
-    [
-        ("argparse", "SIGINT", 130),
-        ("breastrig.use.fit", "SIGTERM", 143),
-    ],
-)
-def test_a_signal_while_modules_load_ends_the_program_with_one_line(
-    module: str, signal: str, code: int, tmp_path: Path
-) -> None:
-    ended = run(SIGNAL_AT_IMPORT.format(module=module, signal=signal), tmp_path / "out")
-    assert (ended.stdout, ended.stderr, ended.returncode) == ("", "breastrig: stopped.\n", code)
+def test_a_signal_while_modules_load_ends_the_program_with_one_line(tmp_path: Path) -> None:
+    ended = run(SIGNAL_AT_IMPORT.format(module="argparse", signal="SIGINT"), tmp_path / "out")
+    assert (ended.stdout, ended.stderr, ended.returncode) == ("", "breastrig: stopped.\n", 130)
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("signal", "code", "act"),
-    [
-        ("SIGTERM", 143, "os.kill(os.getpid(), signal.{signal})"),
-        ("SIGINT", 130, "swallowing()"),
-    ],
-)
-def test_a_signal_during_the_fit_leaves_nothing_behind_also_if_someone_swallows_it(
-    signal: str, code: int, act: str, tmp_path: Path
-) -> None:
-    before = SIGNAL_AT_EVENT.format(signal=signal, act=act.format(signal=signal))
-    ended = run(before, tmp_path / "out")
-    assert (ended.stdout, ended.stderr, ended.returncode) == ("", "breastrig: stopped.\n", code)
+def test_a_signal_during_the_fit_leaves_nothing_behind_also_if_someone_swallows_it(tmp_path: Path) -> None:
+    ended = run(SIGNAL_AT_EVENT, tmp_path / "out")
+    assert (ended.stdout, ended.stderr, ended.returncode) == ("", "breastrig: stopped.\n", 143)
     assert os.listdir(tmp_path) == []
 
 
-def test_a_signal_that_is_ignored_stays_ignored(tmp_path: Path) -> None:
+def test_a_signal_that_is_ignored_stays_ignored() -> None:
     """As under nohup, or in the background of a shell."""
     before = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
-    ended = run(before + SIGNAL_AT_IMPORT.format(module="numpy", signal="SIGINT"), tmp_path / "out")
+    ended = run(before + SIGNAL_AT_IMPORT.format(module="argparse", signal="SIGINT"), None)
     assert ended.returncode == 0
-    assert "stopped" not in ended.stderr
-    assert (tmp_path / "out" / "result.json").is_file()
+    assert ended.stderr == ""
+    assert "default" in ended.stdout

@@ -136,14 +136,6 @@ def test_the_pdf_has_the_numbers_the_settings_a_tape_sheet_of_each_stance_and_th
 
 
 @pytest.mark.usefixtures("quick_reports")
-def test_one_stance_alone_has_one_tape_sheet(fits: dict[str, Path], tmp_path: Path) -> None:
-    assert main(["report", str(fits["supine"]), "-o", str(tmp_path)]) == 0
-    texts = [page.extract_text() for page in pypdf.PdfReader(pdf_of(tmp_path)).pages]
-    assert sum("Tape sheet" in text for text in texts) == 1
-    assert {row["stance"] for row in document(tmp_path, "report.json")["measures"]} == {"supine"}
-
-
-@pytest.mark.usefixtures("quick_reports")
 def test_the_code_stands_on_every_page_and_in_the_name_of_the_file(
     fits: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -172,24 +164,6 @@ def test_a_fit_keeps_the_code_and_the_day_of_its_scan(copy_of_a_fit: Path, tmp_p
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("quick_reports")
-def test_a_pattern_that_does_not_fit_is_said_in_words(fits: dict[str, Path], tmp_path: Path) -> None:
-    item = {"kind": "pattern", "id": "w", "name": "reduction", "parameters": {"limb_mm": 80.0}}
-    (tmp_path / "plan.json").write_text(json.dumps({"schema": "breastrig/plan@1", "items": [item]}))
-    asked = ["report", str(fits["standing"]), "--plan", str(tmp_path / "plan.json"), "-o", str(tmp_path / "out")]
-    assert main(asked) == 4
-    text = " ".join(pypdf.PdfReader(pdf_of(tmp_path / "out")).pages[0].extract_text().split())
-    assert "Vertical limbs 80 mm" in text
-    assert "Not drawn: No room on the right: limbs of 80 mm reach the fold" in text
-    assert "limb_mm" not in text
-    item["parameters"] = {"limb_mm": 81.0}
-    (tmp_path / "plan.json").write_text(json.dumps({"schema": "breastrig/plan@1", "items": [item]}))
-    assert main(asked) == 4
-    text = " ".join(pypdf.PdfReader(pdf_of(tmp_path / "out")).pages[0].extract_text().split())
-    assert "Not drawn: Vertical limbs cannot be 81.0: input should be less than or equal to 80" in text
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("quick_reports")
 def test_the_plan_is_shown_with_its_numbers(fits: dict[str, Path], tmp_path: Path) -> None:
     plan = {
         "schema": "breastrig/plan@1",
@@ -201,8 +175,7 @@ def test_the_plan_is_shown_with_its_numbers(fits: dict[str, Path], tmp_path: Pat
     }
     (tmp_path / "plan.json").write_text(json.dumps(plan))
     out = tmp_path / "out"
-    both = ["report", str(fits["standing"]), "--with", str(fits["supine"]), "--plan", str(tmp_path / "plan.json")]
-    assert main([*both, "-o", str(out)]) == 0
+    assert main(["report", str(fits["standing"]), "--plan", str(tmp_path / "plan.json"), "-o", str(out)]) == 0
     texts = [" ".join(page.extract_text().split()) for page in pypdf.PdfReader(pdf_of(out)).pages]
     for words in (
         "Reduction (Wise pattern), left breast New areola 44 mm Vertical limbs ",
@@ -212,10 +185,9 @@ def test_the_plan_is_shown_with_its_numbers(fits: dict[str, Path], tmp_path: Pat
     ):
         assert texts[0].count(words) == 1, words
     assert not any("_L" in text or "_R" in text for text in texts)
-    for text in texts[-2:]:
-        tape = text.partition("Tape sheet")[2]
-        assert tape.count("New nipple, left") == 1
-        assert tape.count("Areola to keep, left") == 1
+    tape = texts[-1].partition("Tape sheet")[2]
+    assert tape.count("New nipple, left") == 1
+    assert tape.count("Areola to keep, left") == 1
 
 
 @pytest.mark.usefixtures("quick_reports")

@@ -11,7 +11,7 @@ from queue import Queue
 
 import httpx
 import pytest
-from helpers.real_server import children, server
+from helpers.real_server import server
 from helpers.toy_rig import toy_rig
 from helpers.waiting import PATIENCE_S
 
@@ -32,25 +32,6 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-def test_no_process_of_the_service_inherits_its_secrets(tmp_path: Path, model: Path) -> None:
-    token = "a-token-of-more-than-sixteen-characters"
-    with server(tmp_path / "data", model, tmp_path / "log", BREASTRIG_TOKEN=token) as (process, address):
-        assert httpx.get(f"{address}api/meta", timeout=PATIENCE_S).status_code == 401
-        assert (
-            httpx.get(
-                f"{address}api/meta", headers={"Authorization": f"Bearer {token}"}, timeout=PATIENCE_S
-            ).status_code
-            == 200
-        )
-        below = children(process.pid)
-        commands = [Path(f"/proc/{pid}/cmdline").read_bytes() for pid in below]
-        environments = [Path(f"/proc/{pid}/environ").read_bytes() for pid in below]
-    assert any(b"forkserver" in command for command in commands)  # every task's process is made of it
-    assert all(b"PATH=" in environment for environment in environments)
-    assert not any(token.encode() in environment for environment in environments)
-
-
-@pytest.mark.slow
 def test_it_makes_a_token_and_prints_the_address_that_lets_a_browser_in(tmp_path: Path, model: Path) -> None:
     with server(tmp_path / "data", model, tmp_path / "log", FAKE_TOKEN="made") as (process, printed):
         address, _, token = printed.partition("?token=")
@@ -65,14 +46,6 @@ def test_it_makes_a_token_and_prints_the_address_that_lets_a_browser_in(tmp_path
             [cookie] = browser.cookies
             assert cookie == f"breastrig_session_{address.rstrip('/').rpartition(':')[2]}"
     assert token not in (tmp_path / "log").read_text()
-
-
-@pytest.mark.slow
-def test_without_a_token_it_says_who_may_read(tmp_path: Path, model: Path) -> None:
-    with server(tmp_path / "data", model, tmp_path / "log", "--no-token") as (process, address):
-        assert process.stdout is not None
-        assert process.stdout.readline().startswith("No token: every user and program of this machine can read")
-        assert httpx.get(f"{address}api/patients", timeout=PATIENCE_S).status_code == 200
 
 
 def test_a_browser_is_opened_by_a_file_of_this_user_alone_and_no_command_names_the_token(
@@ -97,10 +70,7 @@ def test_a_browser_is_opened_by_a_file_of_this_user_alone_and_no_command_names_t
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("number", "codes"), [(signal.SIGINT, {130, -signal.SIGINT}), (signal.SIGTERM, {143})])
-def test_a_service_that_is_stopped_while_it_starts_says_so_and_ends(
-    number: signal.Signals, codes: set[int], tmp_path: Path, model: Path
-) -> None:
+def test_a_service_that_is_stopped_while_it_starts_says_so_and_ends(tmp_path: Path, model: Path) -> None:
     """Python dies of SIGINT itself, after all is tidied up, when that met it in a piece of code made at run time."""
     command = [sys.executable, "-m", "breastrig.cli.main", "serve", "--port", "0", "--model", str(model)]
     errors = tmp_path / "errors"
@@ -112,8 +82,8 @@ def test_a_service_that_is_stopped_while_it_starts_says_so_and_ends(
             while not (tmp_path / "data").exists():  # its lock comes next, long before the service is ready
                 assert process.poll() is None, errors.read_text()
                 time.sleep(0.01)
-            process.send_signal(number)
-            assert process.wait(timeout=PATIENCE_S) in codes
+            process.send_signal(signal.SIGINT)
+            assert process.wait(timeout=PATIENCE_S) in (130, -signal.SIGINT)
         finally:
             process.kill()
         assert process.stdout is not None

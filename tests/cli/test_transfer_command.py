@@ -6,7 +6,6 @@ import shutil
 from pathlib import Path
 
 import numpy as np
-import pypdf
 import pytest
 from helpers.blank_pictures import blank_pictures
 from helpers.example_fits import write_example_fits
@@ -15,9 +14,6 @@ from PIL import Image
 
 from breastrig.cli.main import main
 from breastrig.correspondence.target import ScanTarget
-from breastrig.drawings.drawing_file import parsed_drawing
-from breastrig.drawings.superimposition import gaps
-from breastrig.geometry.normals import vertex_normals
 from breastrig.use.folder.fit_folder import FitFolder, read_fit_folder
 
 pytestmark = pytest.mark.long
@@ -40,9 +36,8 @@ def skin(folder: FitFolder) -> ScanTarget:
     return ScanTarget(folder.surface.vertices, folder.surface.faces)
 
 
-@pytest.mark.parametrize("more", [(), ("--other-patient",)])
-def test_every_point_lies_on_the_other_scan_or_is_bridged(more: tuple[str, ...], fits: Path, tmp_path: Path) -> None:
-    drawing = transfer(fits, "standing", "supine", tmp_path / "there" / "drawing.json", *more)
+def test_every_point_lies_on_the_other_scan_or_is_bridged(fits: Path, tmp_path: Path) -> None:
+    drawing = transfer(fits, "standing", "supine", tmp_path / "there" / "drawing.json")
     goal = read_fit_folder(fits / "supine")
     assert (drawing["schema"], drawing["unit"]) == ("breastrig/drawing@1", goal.unit)
     assert "Research use only" in drawing["notice"]
@@ -61,16 +56,6 @@ def test_by_the_place_on_the_model_the_same_scan_has_the_same_drawing(fits: Path
         points, bridged = np.array(before["points"]), np.array(before["bridged"])
         near = np.linalg.norm(np.array(after["points"])[:, None] - points, axis=2).min(axis=0)
         assert folder.metres_per_unit * near[~bridged].max() < 0.5e-3
-
-
-def test_there_and_back_again_is_close(fits: Path, tmp_path: Path) -> None:
-    transfer(fits, "standing", "supine", tmp_path / "there.json")
-    again = transfer(fits, "supine", "standing", tmp_path / "again.json", "--drawing", str(tmp_path / "there.json"))
-    folder = read_fit_folder(fits / "standing")
-    left = json.loads((fits / "standing" / "drawing.json").read_text())
-    drawings = [parsed_drawing(each, folder.rig, folder.unit).on_scan for each in (left, again)]
-    for gap in gaps(*drawings):
-        assert gap.mean_mm < 1.0
 
 
 def test_a_drawing_on_the_model_and_one_on_the_scan_arrive_at_the_same_place(fits: Path, tmp_path: Path) -> None:
@@ -108,9 +93,8 @@ def test_a_drawing_that_cannot_be_carried_is_one_line(
     assert not (tmp_path / "out.json").exists()
 
 
-@pytest.mark.parametrize("kind", ["drawing", "plan"])
 def test_it_says_which_points_it_moved_onto_the_skin(
-    kind: str, fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = read_fit_folder(fits / "standing")
     target, marks = skin(folder), folder.landmarks
@@ -120,9 +104,7 @@ def test_it_says_which_points_it_moved_onto_the_skin(
     off = np.array([0.0, 0.0004, 0.003, 0.003, 0.006, 0.0, 0.002, 0.0004])[:, None]
     lines = {"off": on.points + off * out, "on": on.points, "one": (on.points + off * out)[5:]}
     shapes = [{"name": name, "points": (1e3 * points).tolist()} for name, points in lines.items()]
-    items = [{"kind": "line", "id": shape["name"]} | shape for shape in shapes]
-    document = {"schema": "breastrig/plan@1", "items": items} if kind == "plan" else {"unit": "mm", "shapes": shapes}
-    (tmp_path / "given.json").write_text(json.dumps(document))
+    (tmp_path / "given.json").write_text(json.dumps({"unit": "mm", "shapes": shapes}))
     found = transfer(fits, "standing", "supine", tmp_path / "out.json", "--drawing", str(tmp_path / "given.json"))
     said = [
         '"off": points 3 to 5 and 7 were moved onto the skin, by up to 6 mm.',
@@ -188,78 +170,18 @@ def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
-def test_a_plan_is_carried_as_the_lines_that_it_makes_on_the_scan_that_it_names(
-    fits: Path, plan: Path, tmp_path: Path
-) -> None:
+def test_a_plan_is_carried_to_another_scan_than_it_names(fits: Path, plan: Path, tmp_path: Path) -> None:
     there = transfer(fits, "standing", "supine", tmp_path / "there.json", "--drawing", str(plan))
     assert {(shape["item"], shape["carried"]) for shape in there["shapes"]} == {("t", True), ("p", True)}
     assert there["missing"] == []
     assert there["notes"] == [{"item": "n", "text": "wants it smaller", "at": None}]
-    here = transfer(fits, "supine", "standing", tmp_path / "here.json", "--drawing", str(plan))
-    assert {shape["carried"] for shape in here["shapes"]} == {False}
-    lines = tmp_path / "lines.json"
-    keys = ("name", "closed", "color", "points", "bridged")
-    shapes = [{key: shape[key] for key in keys} for shape in here["shapes"]]
-    lines.write_text(json.dumps({"schema": "breastrig/drawing@1", "unit": here["unit"], "shapes": shapes}))
-    carried = transfer(fits, "standing", "supine", tmp_path / "lines_there.json", "--drawing", str(lines))
-    folder = read_fit_folder(fits / "supine")
-    for found, shape in zip(there["shapes"], carried["shapes"], strict=True):
-        if len(found["points"]) != len(shape["points"]):  # how a hole is crossed depends on the last digits at its edge
-            assert found["name"] == "wise_fold_R"
-            assert any(found["bridged"])
-            continue
-        gap = np.linalg.norm(np.subtract(found["points"], shape["points"]), axis=1)
-        assert 1e3 * folder.metres_per_unit * gap.max() < 0.05  # files round to a thousandth of a millimetre or less
 
 
-@pytest.mark.slow
-def test_report_and_export_show_the_plan_instead_of_the_fits_own_drawing(
-    fits: Path, plan: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    blank_pictures(monkeypatch)
-    standing, supine = str(fits / "standing"), str(fits / "supine")
-    assert main(["report", supine, "--with", standing, "--plan", str(plan), "-o", str(tmp_path / "report")]) == 0
-    [pdf] = (tmp_path / "report").glob("*_report.pdf")
-    text = "".join(page.extract_text() for page in pypdf.PdfReader(pdf).pages)
-    assert all(word in text for word in ("Tumour, left", "Wise pattern, right", "wants it smaller"))
-    assert "Sternum upper" not in text
-    assert main(["export", supine, "--with", standing, "--plan", str(plan), "-o", str(tmp_path / "files")]) == 0
-    content = (tmp_path / "files" / "drawing.obj").read_text()
+def test_an_export_has_the_plan_instead_of_the_fits_own_drawing(fits: Path, plan: Path, tmp_path: Path) -> None:
+    assert main(["export", str(fits / "standing"), "--plan", str(plan), "-o", str(tmp_path / "alone")]) == 0
+    content = (tmp_path / "alone" / "drawing.obj").read_text()
     assert "tumour_L" in content
-    assert "wise_R" in content
-    assert main(["export", standing, "--plan", str(plan), "-o", str(tmp_path / "alone")]) == 0
-    assert "tumour_L" in (tmp_path / "alone" / "drawing.obj").read_text()
-
-
-def test_a_lesion_is_carried_through_the_body(fits: Path, tmp_path: Path) -> None:
-    """20 mm under the nipple it lies 20 mm under the nipple there, in the target's unit, and comes back."""
-    folders = {name: read_fit_folder(fits / name) for name in ("standing", "supine")}
-
-    def inside(name: str) -> np.ndarray:
-        fit = folders[name]
-        place = fit.rig.landmark_points(("nipple_L",))
-        nipple = place.positions(fit.vertices, fit.rig.faces)[0]
-        outwards = place.directions(vertex_normals(fit.vertices, fit.rig.faces), fit.rig.faces)[0]
-        return nipple - 0.02 * outwards
-
-    def carried(start: str, goal: str, center: np.ndarray) -> dict:
-        item = {"kind": "lesion", "id": "a", "name": "seen in MRI", "center": center.tolist(), "radius_mm": 6}
-        file = tmp_path / "plan.json"
-        file.write_text(json.dumps({"schema": "breastrig/plan@1", "items": [item]}))
-        there = transfer(fits, start, goal, tmp_path / f"{goal}.json", "--drawing", str(file))
-        assert [shape["item"] for shape in there["shapes"]] == ["a"]
-        (lesion,) = there["lesions"]
-        return lesion
-
-    lesion = carried("standing", "supine", 1e3 * inside("standing"))
-    assert (lesion["id"], lesion["name"], lesion["radius_mm"], lesion["carried"]) == ("a", "seen in MRI", 6.0, True)
-    there = folders["supine"].metres_per_unit * np.array(lesion["center"])
-    assert np.linalg.norm(there - inside("supine")) < 0.01
-    assert 3.0 < lesion["error_mm"] < 20.0
-    assert 12.0 < lesion["depth_mm"] < 25.0
-    back = carried("supine", "standing", 1e3 * there)
-    here = folders["standing"].metres_per_unit * np.array(back["center"])
-    assert np.linalg.norm(here - inside("standing")) < 2e-3  # one spline is not quite the inverse of the other
+    assert "sternum_upper" not in content
 
 
 def test_what_a_label_map_shows_inside_is_carried_without_being_asked_for(fits: Path, tmp_path: Path) -> None:

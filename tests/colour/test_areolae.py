@@ -81,8 +81,6 @@ def test_a_textured_scan_has_the_diameter_of_the_areola_that_is_seen(half_covere
     loaded = breastrig.Fit.load(tmp_path / "saved")
     assert loaded.seen == fit.seen
     np.testing.assert_array_equal(loaded.in_metres.seen["umbilicus"], fit.landmarks["umbilicus"])
-    again = breastrig.fit(place, {"umbilicus": model["umbilicus"]}, units="m", drawing=None, refine=False)
-    assert again.seen == {"nipple_L": "areola seen"}  # beside the pick
     (row,) = (each for each in measured if each.name == "areola_diameter")
     assert row.right is None
     assert "the right one is not seen" in row.method

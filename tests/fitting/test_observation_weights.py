@@ -1,16 +1,11 @@
 """The fit does not ask how finely its model is meshed: a finer one, all over or in places, gives the same body."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from helpers.example_fit import EXAMPLE, example_task
 from helpers.finer_rig import finer
 from helpers.rig_patient import patient
 
 from breastrig.core.arrays import Array
-from breastrig.correspondence.distances import ACCEPTED
-from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.fit import FitTask, fit_iterates, observation_weights
 from breastrig.fitting.recipe import Observations, Recipe, load_recipe
@@ -18,7 +13,6 @@ from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.geometry.normals import face_areas
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
-from breastrig.rig.state import BodyState
 
 pytestmark = pytest.mark.long
 
@@ -60,26 +54,13 @@ def assert_same_body(first: tuple[Array, Array], second: tuple[Array, Array], ri
 
 
 @pytest.mark.slow
-def test_a_rig_subdivided_all_over_or_on_one_side_fits_as_the_original(torso: Rig) -> None:
+def test_a_rig_subdivided_on_one_side_fits_as_the_original(torso: Rig) -> None:
     target, landmarks, _ = patient(torso, 0, smooth=True)
     recipe = load_recipe("default")
     original = places(torso, target, landmarks, recipe)
-    for other in (finer(torso), finer(torso, left_half(torso))):
-        assert len(other.template) > 1.4 * len(torso.template)
-        assert_same_body(original, places(other, target, landmarks, recipe), torso)
-
-
-@pytest.mark.slow
-def test_on_the_example_scans_a_subdivided_rig_fits_as_the_original() -> None:
-    """Where they show skin: noise is sampled at other places, and what is hidden follows it (0.2 and 0.4 mm)."""
-    task = example_task(EXAMPLE.with_name("supine") / "scan.ply", stance="supine")
-    first, second = (
-        BodyState(rig, list(fit_iterates(replace(task, rig=rig)))[-1].parameters) for rig in (task.rig, finer(task.rig))
-    )
-    off = apart(first.vertices, second.vertices, task.rig)
-    seen = match(task.target, first.vertices, first.normals, ACCEPTED).vertices
-    assert off[seen].mean() < SAME, f"{1e3 * off[seen].mean():.3f} mm"
-    assert np.percentile(off[seen], 95) < 2.0 * SAME
+    other = finer(torso, left_half(torso))
+    assert len(other.template) > 1.4 * len(torso.template)
+    assert_same_body(original, places(other, target, landmarks, recipe), torso)
 
 
 def test_every_second_vertex_fits_as_all(torso: Rig) -> None:

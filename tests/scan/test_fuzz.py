@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from helpers.damage import BOUNDED, Edits, bounded, damage, damaged
 from helpers.draco_scan import draco_glb
-from helpers.grid_files import meta_image, nrrd
-from helpers.label_maps import body_labels, dicom_segmentation, nifti
+from helpers.grid_files import meta_fields, meta_image, nrrd, nrrd_fields, to_lps
+from helpers.label_maps import SIZES, body_labels, dicom_segmentation, nifti
 from helpers.other_meshes import mesh_xml, model_xml, off, three_mf
 from helpers.point_files import front, pcd, point_ply, xyz
 from helpers.refusals import refused_or_sound, sound_landmarks_or_refused
@@ -47,11 +47,12 @@ LANDMARKS = {
     kind: landmark_file({"nipple_L": np.array([1.0, 2.5, -3.0]), "xiphoid": np.array([0.0, 1e-3, 9.0])}, kind, "mm")
     for kind in ("json", "csv", "pp", "mrk.json")
 }
+LABELS, COARSE = body_labels()[::4, ::4, ::2], SIZES * [4, 4, 2]
 MAPS = {
-    "nifti": nifti(body_labels()),
-    "nrrd": nrrd(body_labels()),
-    "mha": meta_image(body_labels()),
-    "dicom": dicom_segmentation(body_labels()),
+    "nifti": nifti(LABELS, sizes=COARSE),
+    "nrrd": nrrd(LABELS, nrrd_fields(LABELS, to_lps(sizes=COARSE))),
+    "mha": meta_image(LABELS, meta_fields(LABELS, to_lps(sizes=COARSE))),
+    "dicom": dicom_segmentation(LABELS, sizes=COARSE),
 }
 SCANS |= MAPS
 ELSEWHERE = {"gltf", "3mf"}  # test_fuzz_glb.py; a 3MF is a zip

