@@ -96,9 +96,9 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
 def add_lesions(scan_id: str, files_data: wire.LesionsUpload) -> wire.TakenLesions:
     """Add the lesions of another file, drawn on the scan's image, to the plan
 
-    They are added to what is planned; those that the plan has already are not added again.  A chest wall that
-    the file names is kept with the scan, for the fits that come.  Nothing else is kept of it.  Where it does not say that it lies where the image does, or which side is left, the answer is 422 with a
-    `question`, as at the upload of a scan.
+    They are added to what is planned; those that the plan has already are not added again.  A chest wall that the file
+    names is kept with the scan, for the fits that come; nothing else is kept of it.  Where it does not say that it lies
+    where the image does, or which side is left, the answer is 422 with a `question`, as at the upload of a scan.
     """
     answers = checked_answers(files_data.frame, segments_of_json(files_data.segments), same_place=files_data.same_place)
     taken = app_context().service.uploads.add_lesions(scan_id, files_data.file.stream, answers)
