@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+from pydicom.dataset import Dataset
 
 from breastrig.core.arrays import Array
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -73,10 +74,18 @@ def contours(rig: Rig, wall: str = "Chest wall", lesion: str = "GTV") -> bytes:
     return structures([each for each in regions if each.name], uid("frame"))
 
 
-def image(rig: Rig, beside: bytes = b"") -> bytes:
-    """The MRI of these labels as DICOM in a zip: light where there is a body; with a file of lesions beside it."""
+def image(rig: Rig, beside: bytes = b"", position: str = "") -> bytes:
+    """The MRI of these labels as DICOM in a zip: light where there is a body; with a file of lesions beside it.
+
+    `position` is what each header has as PatientPosition.
+    """
+
+    def lying(made: Dataset, _at: int) -> None:
+        if position:
+            made.PatientPosition = position
+
     labels, low, sizes = labels_of(rig)
-    series = Series(ImageVolume((600 * (labels > 0)).astype(np.uint16), to_lps(low, sizes)))
+    series = Series(ImageVolume((600 * (labels > 0)).astype(np.uint16), to_lps(low, sizes)), change=lying)
     return zipped(files(series) | ({"RTSTRUCT": beside} if beside else {}))
 
 

@@ -24,7 +24,7 @@ from breastrig.scan.around.background import cut_background, without_background
 from breastrig.scan.around.other_pieces import Piece, without_other_pieces
 from breastrig.scan.around.table import Table, found_table
 from breastrig.scan.clean import MIN_TRIANGLES, Surface, clean, compact, large_pieces
-from breastrig.scan.orient import IMAGE_FRAME, LABEL_MAP_FRAME, Frame, propose_frame
+from breastrig.scan.orient import LABEL_MAP_FRAME, Frame, frame_of_image, propose_frame
 from breastrig.scan.scan import Scan
 
 
@@ -150,7 +150,8 @@ def keeping(function: Callable[..., Any], *given: Any) -> Any:
 
 def prepared_scan(scan: Scan, stance: str, frame: Frame | None = None) -> PreparedScan:
     """The scan cleaned and prepared; `frame` when it is known already.  Raises BadScan with a sentence."""
-    stated = IMAGE_FRAME if scan.from_image else LABEL_MAP_FRAME if scan.in_patient_frame else None
+    of_map = LABEL_MAP_FRAME if scan.from_label_map else None
+    stated = frame_of_image(scan.stated_stance) if scan.from_image else of_map
     ready = prepared(_cleaned(scan), stance, frame or stated)
     if not _kept.keeps:
         return ready

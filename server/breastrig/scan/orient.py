@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.stances import Stance
 from breastrig.geometry.normals import face_areas, face_normals
 
 SAMPLE = 8000  # triangles looked at: enough for a mean and a plane
@@ -59,6 +60,14 @@ IMAGE_FRAME = replace(
     reason="An image says where the patient's front and head are.",
     stance_reason="The scan is an image, and a breast MRI is taken prone. If it is not, state the position.",
 )
+
+STATED = "The image's header says that the patient lies {}. If that is wrong, state the position."
+NOT_AS_STATED = "The image's header says that the patient lies {}; this fit is {}. Check which is true."
+
+
+def frame_of_image(stated: Stance | None) -> Frame:
+    """The frame of an image whose header states this position, or none."""
+    return IMAGE_FRAME if stated is None else replace(IMAGE_FRAME, stance=stated, stance_reason=STATED.format(stated))
 
 
 def _directions(count: int) -> Array:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.srgb import to_srgb
+from breastrig.core.stances import Stance
 from breastrig.scan.kept_image import KeptImage
 
 SEVERAL = "The scan has several textures and is shown without them."
@@ -99,6 +100,7 @@ class Pieces:
     wall: tuple[Array, Integers] | None = None  # (V, 3) the chest wall that a volume names, (F, 3) towards the front
     image: KeptImage | None = None  # of which the skin was made
     seen: tuple[SeenLandmark, ...] = ()  # that it shows
+    stance: Stance | None = None  # that its header states
 
 
 def colour_bytes(values: Array, largest: float | None = None) -> NDArray[uint8]:

@@ -132,6 +132,7 @@ def _of_pieces(pieces: Pieces, sha256: str, units: str, for_display: bool, sorti
         lesions=inside,
         seen=tuple(SeenLandmark(each.name, metres * each.place, metres * each.radius) for each in pieces.seen),
         segments=pieces.segments,
+        stated_stance=pieces.stance,
         wall=None if pieces.wall is None else (metres * pieces.wall[0], pieces.wall[1]),
     )
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.core.stances import Stance
 from breastrig.scan.kept_image import KeptImage
 from breastrig.scan.piece import BallInside, SeenLandmark, TakenSegment
 
@@ -36,6 +37,7 @@ class Scan:
     from_image: bool = False  # whose axes are the patient's (LPS) too
     image: KeptImage | None = None  # of which the skin was made; kept beside a stored scan
     seen: tuple[SeenLandmark, ...] = ()  # that the image shows, m
+    stated_stance: Stance | None = None  # by the image's header
     lesions: tuple[BallInside, ...] = ()  # that a label map shows, m
     wall: tuple[Array, Integers] | None = None  # (V, 3) m the chest wall that its file names, (F, 3) towards the front
     segments: tuple[TakenSegment, ...] = ()  # of a label map, and what each was taken for

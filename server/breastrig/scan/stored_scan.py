@@ -27,6 +27,7 @@ def write_stored(scan: Scan, path: Path) -> None:
     facts = {name: getattr(scan, name) for name in FACTS}
     if scan.in_patient_frame:
         facts |= {name: getattr(scan, name) for name in OF_VOLUMES}
+        facts["stated_stance"] = scan.stated_stance
         facts["seen"] = [[each.name, each.place.tolist(), each.radius] for each in scan.seen]
         facts["lesions"] = [[each.name, each.center.tolist(), each.radius] for each in scan.lesions]
     arrays: dict[str, NDArray[Any]] = {
@@ -64,6 +65,7 @@ def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> S
                 picture=None if jpeg is None else picture,
                 **{name: facts[name] for name in FACTS} | {"notes": tuple(facts["notes"])},
                 **{name: facts.get(name, False) for name in OF_VOLUMES},
+                stated_stance=facts.get("stated_stance"),
                 seen=tuple(SeenLandmark(name, np.array(at), r) for name, at, r in facts.get("seen", [])),
                 wall=(arrays["wall_vertices"], arrays["wall_faces"]) if "wall_faces" in arrays else None,
                 lesions=tuple(BallInside(name, np.array(at), r) for name, at, r in facts.get("lesions", [])),

@@ -1,4 +1,4 @@
-"""What places the pixels of a DICOM image; nothing else of its header is read: no names, no dates."""
+"""What places the pixels of a DICOM image, and how the patient lies; nothing else of its header is read: no names."""
 
 import io
 from collections.abc import Iterator
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.errors import BadInput, BadScan, TooLarge
+from breastrig.core.stances import Stance
 from breastrig.scan.file_type import DICOM_MARK_AT, SEGMENTATIONS, STRUCTURES
 from breastrig.scan.images.dicom_files import DicomFile
 from breastrig.scan.limits import DICOM_ELEMENTS, DICOM_FRAMES, DICOM_HEAD_BYTES, DICOM_ITEMS, IMAGE_SIDE
@@ -27,6 +28,7 @@ TAGS = (
     "SeriesInstanceUID",
     "SeriesNumber",
     "FrameOfReferenceUID",
+    "PatientPosition",
     "ImagePositionPatient",
     "ImageOrientationPatient",
     "PixelSpacing",
@@ -48,6 +50,7 @@ TAGS = (
     "PerFrameFunctionalGroupsSequence",
 )
 NO_PLACE = "These DICOM images do not say where they lie in the patient; give the MR images themselves."
+LIES: dict[str, Stance] = {"HFP": "prone", "FFP": "prone", "HFS": "supine", "FFS": "supine"}  # head or feet first
 GREY = ("MONOCHROME1", "MONOCHROME2")
 
 
@@ -63,6 +66,7 @@ class Slice:
     number: int  # of the series, for the order of what is shown
     words: str = ""  # of the header about the series: shown while choosing, and never kept
     reference: str = ""  # UID of the frame of reference
+    stance: Stance | None = None  # in which the patient lies
     rows: int = 0
     columns: int = 0
     spacing: tuple[float, ...] = ()  # mm between rows, and between columns
@@ -206,6 +210,7 @@ def _slices(file: DicomFile, dataset: Any, series: str, rows: int, columns: int)
             number=int(_number(number) or 0),
             words=str(dataset.get("SeriesDescription", "") or ""),
             reference=str(dataset.get("FrameOfReferenceUID", "") or ""),
+            stance=LIES.get(str(dataset.get("PatientPosition", ""))),
             rows=rows,
             columns=columns,
             spacing=spacing,

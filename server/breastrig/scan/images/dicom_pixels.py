@@ -56,7 +56,9 @@ def volume_of(stack: Stack) -> ImageVolume:
     for at in stack.bridged:
         values[at] = 0.5 * values[at - 1] + 0.5 * values[at + 1]
     frame = frame_digest(stack.slices[0].reference)
-    return ImageVolume(values.transpose(2, 1, 0), stack.affine, frame, stack.gaps, stack.notes)
+    stances = {each.stance for each in stack.slices}
+    stance = stances.pop() if len(stances) == 1 else None
+    return ImageVolume(values.transpose(2, 1, 0), stack.affine, frame, stack.gaps, stack.notes, stance)
 
 
 def middle_of(stack: Stack) -> NDArray[Any] | None:

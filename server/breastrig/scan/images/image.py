@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array
+from breastrig.core.stances import Stance
 from breastrig.scan.kept_image import KEPT_BYTES, KeptImage
 from breastrig.scan.volumes.volume import Gap
 
@@ -23,6 +24,7 @@ class ImageVolume:
     frame: str = ""  # digest of the file's frame of reference; empty where it names none
     gaps: tuple[Gap, ...] = ()  # slices of which nothing is known
     notes: tuple[str, ...] = ()  # one sentence each
+    stance: Stance | None = None  # that the file's header states
 
 
 def kept_image(image: ImageVolume) -> KeptImage:

@@ -41,6 +41,7 @@ from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.landmarks.landmark_files import checked_certain
 from breastrig.scan.landmarks.marks import listed, with_marks
+from breastrig.scan.orient import NOT_AS_STATED
 from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan
 from breastrig.use.steps.settings import FIRST, EarlierFit, FitJob, FitSettings
@@ -233,6 +234,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, clock: Clock) -> ReadyScan:
         notes=(
             *scan.notes,
             *prepared.notes,
+            *_not_as_stated(found, scan),
             *_seen(found, scan),
             *_unchecked(plan),
             *_as_marks(plan),
@@ -271,6 +273,12 @@ def _of_cohort(task: FitTask) -> tuple[str, ...]:
     if posterior is None:
         return ()
     return (f"Fitted with what {posterior.women} patients in this stance have in common.",)
+
+
+def _not_as_stated(found: Hypothesis, scan: Scan) -> tuple[str, ...]:
+    """A note where the image's header states another position than that of the fit."""
+    stated, stance = scan.stated_stance, found.task.stance
+    return () if stated in (None, stance) else (NOT_AS_STATED.format(stated, stance),)
 
 
 def _seen(found: Hypothesis, scan: Scan) -> tuple[str, ...]:
