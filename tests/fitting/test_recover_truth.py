@@ -91,16 +91,10 @@ def test_under_another_triangulation_the_truth_comes_back_up_to_what_its_triangl
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("seed", "noise", "clicks", "limits"),
-    [(0, 0.001, 0.003, (0.42, 2.6, 2.0)), (1, 0.002, 0.005, (0.6, 3.3, 2.8))],
-)
-def test_noise_and_clicks_beside_the_place_are_averaged_out(
-    seed: int, noise: float, clicks: float, limits: tuple[float, float, float], torso: Rig
-) -> None:
-    """Every error stays under that of what it was made from: 1 and 3 mm, or 2 and 5 mm."""
-    errors = Rescanned(torso, seed, noise, clicks).errors_mm(load_recipe("default"))
-    assert (np.array(errors) < limits).all(), errors
+def test_noise_and_clicks_beside_the_place_are_averaged_out(torso: Rig) -> None:
+    """Every error stays under that of what it was made from: 1 and 3 mm."""
+    errors = Rescanned(torso, 0, 0.001, 0.003).errors_mm(load_recipe("default"))
+    assert (np.array(errors) < (0.42, 2.6, 2.0)).all(), errors
 
 
 def test_iterates_are_numbered_frozen_and_end_with_a_reason_on_the_scan_within_the_rigs_limits(torso: Rig) -> None:
@@ -151,33 +145,12 @@ def test_stopping_to_consume_stops_the_fit(torso: Rig) -> None:
 
 
 @pytest.mark.slow
-def test_without_rays_the_trees_alone_give_the_same_fit(torso: Rig) -> None:
-    target, landmarks, _ = patient(torso, 1)
-    surfaces = []
-    for use_rays in (True, False):
-        scan = ScanTarget(target.vertices, target.faces, use_rays=use_rays)
-        task = FitTask(
-            torso,
-            scan,
-            start_from_landmarks(torso, landmarks),
-            load_recipe("default"),
-            {},
-        ).with_picks(landmarks)
-        surfaces.append(pose(torso, list(fit_iterates(task))[-1].parameters))
-    assert np.linalg.norm(surfaces[0] - surfaces[1], axis=1).mean() < 0.5e-3
-
-
-@pytest.mark.slow
 def test_joints_of_the_least_gap_hold_where_others_give_millimetres(torso: Rig) -> None:
     recipe = load_recipe("default")
     hard = recipe.model_copy(update={"joints": recipe.joints.model_copy(update={"translation_factor": 1e-9})})
     joints = Joints(torso, torso.joints)
-    gaps = []
-    for each in (recipe, hard):
-        iterates, target, _ = fitted(torso, 1, each)
-        last = iterates[-1].parameters
-        assert iterates[-1].status is Status.CONVERGED
-        assert target.search.query(pose(torso, last)).distances.mean() < 0.6e-3
-        gaps.append(float(np.linalg.norm(joints.motion(last).gap, axis=1).max()))
-    assert gaps[0] > 2e-3
-    assert gaps[1] < LEAST_GAP
+    iterates, target, _ = fitted(torso, 1, hard)
+    last = iterates[-1].parameters
+    assert iterates[-1].status is Status.CONVERGED
+    assert target.search.query(pose(torso, last)).distances.mean() < 0.6e-3
+    assert np.linalg.norm(joints.motion(last).gap, axis=1).max() < LEAST_GAP  # others give by more than 2 mm

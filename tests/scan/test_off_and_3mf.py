@@ -140,13 +140,6 @@ def test_a_3mf_is_read_with_its_unit_and_colours(name: str) -> None:
         assert scan.unit == {"metres": "m", "inches": "in"}.get(name, "mm")
 
 
-def test_a_3mf_that_trimesh_writes() -> None:
-    pytest.importorskip("networkx")
-    pytest.importorskip("lxml")
-    data = trimesh.Trimesh(1000.0 * VERTICES, FACES, process=False).export(file_type="3mf")
-    assert_same_body(read_scan(data), coloured=False)
-
-
 def test_a_mirrored_part_of_a_3mf_is_turned() -> None:
     data = three_mf(model_xml(WHOLE, '<item objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/>'))
     np.testing.assert_array_equal(read_scan(data).faces, FACES[:, ::-1])

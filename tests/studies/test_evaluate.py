@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from functools import partial, wraps
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -15,8 +16,6 @@ from helpers.cohort import FEW, write_patient
 
 from breastrig.cli.main import main
 from breastrig.core.errors import BadInput
-from breastrig.fitting.recipe import load_recipe
-from breastrig.gltf.read_rig import default_rig_path
 from breastrig.rig.model import Rig
 from breastrig_studies import command as evaluate_command
 from breastrig_studies.cohort import Case, read_cohort
@@ -25,7 +24,10 @@ from breastrig_studies.studies import landmarks, plan, registry
 from breastrig_studies.studies import result_cache as work
 from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.sensitivity import TERMS
+from breastrig_studies.studies.unseen import CUTS
 from breastrig_studies.tables import studies
+from breastrig_studies.tables.measures import measures_table, ptosis_table
+from breastrig_studies.tables.verdicts import verdicts_table
 
 pytestmark = pytest.mark.long
 
@@ -46,7 +48,7 @@ def fewer_fits() -> Iterator[None]:
         patch.setattr(landmarks, "CLICKERS", 2)
         patch.setattr(registry, "REPEATS", 1)
         patch.setattr(charts, "DPI", 40)
-        free_form = partial(trimesh.registration.nricp_amberg, steps=[[0.01, 10, 0.5, 2], [0.01, 0, 0.0, 2]])
+        free_form = partial(trimesh.registration.nricp_amberg, steps=[[0.01, 10, 0.5, 1]])
         patch.setattr(trimesh.registration, "nricp_amberg", free_form)
         yield
 
@@ -302,15 +304,81 @@ def test_without_matplotlib_tables_and_summary_are_still_written(
     assert (out / "evaluation.md").read_text().count("![") == 1
 
 
-def test_worker_processes_give_the_same_answers(cohort: Path, tmp_path: Path) -> None:
-    case = read_cohort(cohort)[0]
-    units = [
-        work.Unit((case,), "compliance", load_recipe("default"), default_rig_path(), {"term": "data", "factor": factor})
-        for factor in (1.0, 100.0)
-    ]
-    told: list[str] = []
-    alone = work.records(units, tmp_path / "alone", 1, False, told.append)
-    together = work.records(units, tmp_path / "together", 2, False, told.append)
-    assert [record.answer for record in together] == [record.answer for record in alone]
-    assert alone[1].answer["surface_mm"] > alone[0].answer["surface_mm"]  # the data counted for less
-    assert told == 4 * ["patient_x-standing-compliance"]
+@pytest.fixture(scope="module")
+def answers(whole: Path) -> dict[str, Any]:
+    """Of the questions that are asked once."""
+    return {record["question"]: record["answer"] for record in kept(whole).values()}
+
+
+def record(question: str, answer: dict[str, Any]) -> SimpleNamespace:
+    unit = SimpleNamespace(question=question, recipe=SimpleNamespace(name="default"))
+    return SimpleNamespace(unit=unit, failed=None, answer=answer)
+
+
+def test_a_cut_leaves_what_lies_above_it_and_its_fit_is_compared_with_the_whole(answers: dict[str, Any]) -> None:
+    numbers = answers["unseen"]
+    assert set(numbers) == set(CUTS)
+    for of in numbers.values():
+        assert of["most_moved_mm"] >= of["moved_mm"] > 0.0
+        assert of["smallest_scale"] <= 1.0 <= of["largest_scale"]
+    assert numbers["half"]["kept"] == pytest.approx(0.5, abs=0.05)
+    assert numbers["nipples"]["kept"] < numbers["navel"]["kept"] < 1.0
+
+
+def test_certainty_counts_every_landmark_and_every_vertex_of_the_regions(
+    whole: Path, answers: dict[str, Any], rig: Rig
+) -> None:
+    scene, answer = read_scene(read_cohort(whole.parent / "cohort")[0]), answers["certainty"]
+    assert set(answer) == {"exact", "clicked", "half"}
+    marks = sum(total for _, total in answer["exact"]["landmarks"].values())
+    assert marks == len(scene.landmarks)
+    skin = sum(total for _, total in answer["exact"]["skin"].values())
+    assert skin == sum(map(len, rig.regions.values()))
+    assert answer["exact"]["lines"].keys() == {"breasts, across the line"}
+    for trial in answer.values():
+        for *held_by_level, total in trial["levels"].values():
+            assert held_by_level == sorted(held_by_level)
+            assert held_by_level[-1] <= total
+        of_90 = sum(counts[2] for group, counts in trial["levels"].items() if group.startswith("landmarks"))
+        assert of_90 == sum(good for good, _ in trial["landmarks"].values())
+        assert trial["dropped"] == 0, "right picks are believed"
+        for part in ("landmarks", "skin"):
+            assert all(0 <= good <= total for good, total in trial[part].values())
+
+
+def test_measures_are_compared_with_those_of_the_true_surface(answers: dict[str, Any]) -> None:
+    answer = answers["measures"]
+    straight = {row[0]: row for row in answer["exact"] if row[1] == "straight"}
+    _, _, unit, true, found, low, high = straight["notch_nipple"]
+    assert unit == "mm"
+    assert found == pytest.approx(true, abs=1e-6)  # between true picks
+    assert low < true < high
+    (apart,) = (row for row in answer["none"] if row[:2] == ["notch_nipple", "straight, left - right"])
+    assert apart[5] < apart[3] < apart[6]
+    grades = {row[0] for row in answer["exact"]} - {row[0] for row in answer["none"]}
+    assert grades == {"nipple_above_fold", "lowest_point_above_fold", "ptosis"}  # of a nipple that somebody knows
+    table = measures_table([record("measures", answer)])
+    names = [column.name for column in table.columns]
+    assert "ptosis" not in {row.cells[0] for row in table.rows}
+    for row in table.rows:
+        cells = dict(zip(names, row.cells, strict=True))
+        assert (cells["none_error"] is None) == (cells["measure"] in grades)
+        assert cells["exact_held"] in (0.0, 50.0, 100.0)
+    (row,) = (row for row in ptosis_table([record("measures", answer)]).rows if row.cells[0] == "exact picks")
+    assert row.cells[1:4] == ("none", 2, 100.0)
+
+
+def test_a_right_fit_is_distinguished_from_one_that_is_head_down(answers: dict[str, Any]) -> None:
+    answer = answers["verdicts"]
+    assert answer["whole"]
+    fits = answer["fits"]
+    assert fits["landmarks"]["error_mm"] < 5.0
+    assert fits["head_down"]["error_mm"] > 150.0
+    assert fits["head_down"]["level"] != "good"
+    assert fits["head_down"]["reasons"]
+    table = verdicts_table([record("verdicts", answer)])
+    found = {row.cells[0]: row.cells[1:] for row in table.rows}
+    assert found["head down"][:3] == ("whole", "wrong", 1)
+    assert found["landmarks given"][:3] == ("whole", "right", 1)
+    for row in found.values():
+        assert sum(share for share in row[3:] if isinstance(share, float)) == pytest.approx(100.0)

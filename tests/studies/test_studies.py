@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,16 +14,11 @@ from breastrig.rig.model import Rig
 from breastrig_studies.cohort import read_cohort
 from breastrig_studies.studies import case as case_module
 from breastrig_studies.studies.case import read_scene
-from breastrig_studies.studies.measures import measures_study
 from breastrig_studies.studies.orientation import without_table, wrong_way
 from breastrig_studies.studies.reference_fit import reference_fit
 from breastrig_studies.studies.sensitivity import TERMS, scaled_compliance
-from breastrig_studies.studies.trust.certainty import across, certainty
+from breastrig_studies.studies.trust.certainty import across
 from breastrig_studies.studies.trust.reliability import LEVELS, covered_at_levels
-from breastrig_studies.studies.trust.verdicts import verdicts
-from breastrig_studies.studies.unseen import CUTS, cut_fit, unseen, whole_fit
-from breastrig_studies.tables.measures import measures_table, ptosis_table
-from breastrig_studies.tables.verdicts import verdicts_table
 
 pytestmark = pytest.mark.long
 
@@ -70,25 +64,6 @@ def test_without_the_table_only_the_body_is_left(cohort: Path, rig: Rig) -> None
     with_table = replace(scene, target=ScanTarget(np.asarray(both.vertices), np.asarray(both.faces)))
     assert len(with_table.target.faces) > len(body.faces) + 1000
     assert len(without_table(with_table).target.faces) == pytest.approx(len(body.faces), rel=0.01)
-
-
-def test_a_cut_leaves_what_lies_above_it_and_its_fit_is_compared_with_the_whole(cohort: Path, rig: Rig) -> None:
-    scene, recipe = read_scene(read_cohort(cohort)[0]), load_recipe("default")
-    whole = whole_fit(scene, rig, recipe)
-    numbers = unseen(scene, rig, recipe)
-    assert set(numbers) == set(CUTS)
-    for cut, of in numbers.items():
-        part = cut_fit(scene, rig, recipe, whole, cut)
-        assert of["kept"] == len(part.scene.target.faces) / len(scene.target.faces)
-        assert of["most_moved_mm"] >= of["moved_mm"] > 0.0
-        assert of["smallest_scale"] <= 1.0 <= of["largest_scale"]
-        gap = 1e3 * np.linalg.norm(part.fit.vertices - whole.vertices, axis=1)
-        assert of["moved_mm"] == pytest.approx(gap.mean())
-    assert numbers["half"]["kept"] == pytest.approx(0.5, abs=0.05)
-    assert numbers["nipples"]["kept"] < numbers["navel"]["kept"] < 1.0
-    half = cut_fit(scene, rig, recipe, whole, "half")
-    assert {"xiphoid", "nipple_L"} <= set(half.scene.landmarks)
-    assert "nipple_R" not in half.scene.landmarks
 
 
 @pytest.mark.parametrize("term", TERMS)
@@ -143,71 +118,7 @@ def test_a_line_is_as_far_off_as_its_places_are_across_it() -> None:
     assert across(0.01 * outwards, outwards).max() < 1e-12
 
 
-def test_certainty_counts_every_landmark_and_every_vertex_of_the_regions(cohort: Path, rig: Rig) -> None:
-    scene = read_scene(read_cohort(cohort)[0])
-    answer = certainty(scene, rig, load_recipe("default"))
-    assert set(answer) == {"exact", "clicked", "half"}
-    marks = sum(total for _, total in answer["exact"]["landmarks"].values())
-    assert marks == len(scene.landmarks)
-    skin = sum(total for _, total in answer["exact"]["skin"].values())
-    assert skin == sum(map(len, rig.regions.values()))
-    assert answer["exact"]["lines"].keys() == {"breasts, across the line"}
-    for trial in answer.values():
-        for *held_by_level, total in trial["levels"].values():
-            assert held_by_level == sorted(held_by_level)
-            assert held_by_level[-1] <= total
-        of_90 = sum(counts[2] for group, counts in trial["levels"].items() if group.startswith("landmarks"))
-        assert of_90 == sum(good for good, _ in trial["landmarks"].values())
-        assert trial["dropped"] == 0, "right picks are believed"
-        for part in ("landmarks", "skin"):
-            assert all(0 <= good <= total for good, total in trial[part].values())
-
-
 def test_radii_of_a_scatter_in_two_directions_hold_what_they_say(rng: np.random.Generator) -> None:
     errors = np.linalg.norm(rng.normal(size=(200_000, 2)), axis=1)
     *counts, total = covered_at_levels(errors, np.full(len(errors), np.sqrt(2.0 * np.log(10.0))))
     np.testing.assert_allclose(np.array(counts) / total, LEVELS, atol=0.005)
-
-
-def record(question: str, answer: dict[str, object]) -> SimpleNamespace:
-    unit = SimpleNamespace(question=question, recipe=SimpleNamespace(name="default"))
-    return SimpleNamespace(unit=unit, failed=None, answer=answer)
-
-
-def test_measures_are_compared_with_those_of_the_true_surface(cohort: Path, rig: Rig) -> None:
-    scene = read_scene(read_cohort(cohort)[0])
-    answer = measures_study(scene, rig, load_recipe("default"))
-    straight = {row[0]: row for row in answer["exact"] if row[1] == "straight"}
-    _, _, unit, true, found, low, high = straight["notch_nipple"]
-    assert unit == "mm"
-    assert found == pytest.approx(true, abs=1e-6)  # between true picks
-    assert low < true < high
-    (apart,) = (row for row in answer["none"] if row[:2] == ["notch_nipple", "straight, left - right"])
-    assert apart[5] < apart[3] < apart[6]
-    grades = {row[0] for row in answer["exact"]} - {row[0] for row in answer["none"]}
-    assert grades == {"nipple_above_fold", "lowest_point_above_fold", "ptosis"}  # of a nipple that somebody knows
-    table = measures_table([record("measures", answer)])
-    names = [column.name for column in table.columns]
-    assert "ptosis" not in {row.cells[0] for row in table.rows}
-    for row in table.rows:
-        cells = dict(zip(names, row.cells, strict=True))
-        assert (cells["none_error"] is None) == (cells["measure"] in grades)
-        assert cells["exact_held"] in (0.0, 50.0, 100.0)
-    (row,) = (row for row in ptosis_table([record("measures", answer)]).rows if row.cells[0] == "exact picks")
-    assert row.cells[1:4] == ("none", 2, 100.0)
-
-
-def test_a_right_fit_is_distinguished_from_one_that_is_head_down(cohort: Path, rig: Rig) -> None:
-    answer = verdicts(read_scene(read_cohort(cohort)[0]), rig, load_recipe("default"))
-    assert answer["whole"]
-    fits = answer["fits"]
-    assert fits["landmarks"]["error_mm"] < 5.0
-    assert fits["head_down"]["error_mm"] > 150.0
-    assert fits["head_down"]["level"] != "good"
-    assert fits["head_down"]["reasons"]
-    table = verdicts_table([record("verdicts", answer)])
-    rows = {row.cells[0]: row.cells[1:] for row in table.rows}
-    assert rows["head down"][:3] == ("whole", "wrong", 1)
-    assert rows["landmarks given"][:3] == ("whole", "right", 1)
-    for row in rows.values():
-        assert sum(share for share in row[3:] if isinstance(share, float)) == pytest.approx(100.0)

@@ -3,7 +3,6 @@
 import json
 import shutil
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,12 +16,10 @@ from breastrig.gltf.read_rig import default_rig_path
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig_studies.cohort import read_cohort
-from breastrig_studies.studies.case import read_scene
-from breastrig_studies.studies.lesions import lesions_study
+from breastrig_studies.studies import transfer
 from breastrig_studies.studies.other_patient import other_patient
 from breastrig_studies.studies.result_cache import Unit, answered
 from breastrig_studies.studies.transfer import ALL, PICKS, WAYS, transfer_study
-from breastrig_studies.tables.transfer import lesions_table
 
 pytestmark = pytest.mark.long
 
@@ -51,6 +48,7 @@ def rows(stiff: Path, rig: Rig) -> list[dict[str, Any]]:
     """Of her study.  Skin is not expected to move when somebody lies down, for this patient's does not."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(skin_map, "lying_motion", lambda rig: None)
+        patch.setattr(transfer, "STROKES", 50)
         found: list[dict[str, Any]] = transfer_study(read_cohort(stiff), rig, load_recipe("default"))["rows"]
     return found
 
@@ -104,29 +102,3 @@ def test_a_body_without_a_breast_has_no_answer_and_no_other_body_loses_its_own(
         file.write_text(json.dumps(document))
     unit = Unit(read_cohort(tmp_path / "cohort"), "transfer", load_recipe("default"), default_rig_path())
     assert answered(unit)["failed"] == f"The body has no nipple_{side}, without which this question has no answer."
-
-
-def record(question: str, family: str, rows: list[dict]) -> SimpleNamespace:
-    return SimpleNamespace(
-        unit=SimpleNamespace(question=question, recipe=SimpleNamespace(name="default")),
-        case=SimpleNamespace(family=family, patient="p"),
-        failed=None,
-        answer={"rows": rows},
-    )
-
-
-def test_a_lesion_of_a_body_that_does_not_change_is_carried_to_its_place(stiff: Path, rig: Rig) -> None:
-    scenes = [read_scene(case) for case in read_cohort(stiff)]
-    inside = [0.7 * scene.landmarks["nipple_L"] + 0.3 * scene.landmarks["acromion_L"] for scene in scenes]
-    centers = {scene.case.name: (1e3 * place).tolist() for scene, place in zip(scenes, inside, strict=True)}
-    (stiff / "p" / "tumours.json").write_text(json.dumps({"tumours": [{"id": "a", "center": centers}]}))
-    rows = lesions_study(tuple(read_cohort(stiff)), rig, load_recipe("default"))["rows"]
-    assert {(row["from"], row["to"], row["lesions"]) for row in rows} == {
-        ("standing", "lying", 1),
-        ("lying", "standing", 1),
-    }
-    for row in rows:
-        assert row["volume"]["mean_mm"] < 2.0
-        assert row["rigid"]["mean_mm"] < 0.1
-        assert row["held"] == 1.0
-    assert {row.cells[0] for row in lesions_table([record("lesions", "makehuman", rows)]).rows} == {"MakeHuman"}

@@ -244,7 +244,7 @@ def test_the_measures_are_those_of_the_report(
 
 def test_what_was_read_is_never_replaced_and_what_is_anothers_only_by_force(tmp_path: Path) -> None:
     shutil.copy(STANDING, tmp_path / "scan.ply")
-    fit = breastrig.fit(tmp_path / "scan.ply", drawing=None)
+    fit = breastrig.fit(tmp_path / "scan.ply", PICKS, drawing=None)
     before = (tmp_path / "scan.ply").read_bytes()
     for force in (False, True):
         with pytest.raises(breastrig.BadInput, match="which this command reads"):

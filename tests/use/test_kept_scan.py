@@ -89,16 +89,11 @@ def test_upload_proposals_and_fits_give_the_same_bytes(tmp_path: Path) -> None:
         facts = call(read_upload, asked)
         proposed = call(propose_on_file, ProposeJob(stored, "stored", facts["unit"], None, facts["orientation"]))
         points = {mark: each["point"] for mark, each in proposed.items()}
-        events = []
-        for number, picks in enumerate((points, {}), start=1):
-            out = folder / f"fit{number}"
-            out.mkdir()
-            job = FitJob(stored, out, picks, units=facts["unit"], file_type="stored", orientation=facts["orientation"])
-            events += [
-                without_times(each.model_dump(mode="json")) for each in call(lambda job: list(run_fit(job)), job)
-            ]
-        files = [folder / "mesh.glb", folder / "small.png"]
-        files += [folder / fit / name for fit in ("fit1", "fit2") for name in ("fitted.ply", "distances.bin")]
+        out = folder / "fit"
+        out.mkdir()
+        job = FitJob(stored, out, points, units=facts["unit"], file_type="stored", orientation=facts["orientation"])
+        events = [without_times(each.model_dump(mode="json")) for each in call(lambda job: list(run_fit(job)), job)]
+        files = [folder / "mesh.glb", folder / "small.png", out / "fitted.ply", out / "distances.bin"]
         found.append((json.dumps([facts, proposed, events]), [file.read_bytes() for file in files]))
     assert found[0] == found[1]
 

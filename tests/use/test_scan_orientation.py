@@ -120,24 +120,23 @@ def test_the_time_that_finding_the_stance_takes_is_time_of_solving(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_proposals_and_fits_begin_with_what_the_upload_found(
-    stance: str, calls: dict[str, int], bare: dict[str, Path], tmp_path: Path
+    calls: dict[str, int], bare: dict[str, Path], tmp_path: Path
 ) -> None:
-    scan = bare[stance]
+    scan = bare["supine"]
     facts = upload(scan, tmp_path)
     unit, known = facts["unit"], facts["orientation"]
-    assert facts["stance"]["proposed"] == stance
-    assert (facts["table"] is not None) == (stance == "supine")
+    assert facts["stance"]["proposed"] == "supine"
+    assert facts["table"] is not None
     assert facts["other_pieces"] == []
     width, height, depth = facts["size_m"]  # in the body's axes, however it lies in the file
     assert 0.49 < width < 0.63
     assert height == pytest.approx(0.53, abs=0.01)
     assert 0.18 < depth < 0.23
-    assert calls == {"fits": int(stance == "standing"), "fronts": 1, "starts": 1}
+    assert calls == {"fits": 0, "fronts": 1, "starts": 1}
     calls.update(fits=0, fronts=0, starts=0)
     proposed = propose_on_file(ProposeJob(scan, "ply", unit, None, known))
-    assert calls == {"fits": int(stance == "supine"), "fronts": 0, "starts": 0}  # what showed the stance is known
+    assert calls == {"fits": 1, "fronts": 0, "starts": 0}
     calls.update(fits=0)
     fitted = events_of(scan, tmp_path / "known", {}, orientation=known)
     assert calls == {"fits": 1, "fronts": 0, "starts": 0}
@@ -148,31 +147,10 @@ def test_proposals_and_fits_begin_with_what_the_upload_found(
         assert point == pytest.approx(there, abs=1e-3), name  # mm
         assert proposal == anew[name]
     first, second = (events[-1].result.document() for events in (fitted, fitted_anew))
-    assert first["stance"] == second["stance"] == stance
+    assert first["stance"] == second["stance"] == "supine"
     assert first["stance_reason"] == second["stance_reason"]
     assert first["scan"] == second["scan"]
     assert first["surface_distance_mm"]["mean"] == pytest.approx(second["surface_distance_mm"]["mean"], abs=1e-3)
-
-
-@pytest.mark.slow
-def test_a_coloured_scan_is_not_fitted_again_to_see_where_its_landmarks_are_expected(
-    calls: dict[str, int], tmp_path: Path
-) -> None:
-    known = upload(EXAMPLE / "scan.ply", tmp_path)["orientation"]
-    calls.update(fits=0, fronts=0, starts=0)
-    results = {}
-    for name, facts in (("fitted", known), ("to be fitted", {k: v for k, v in known.items() if k != "fitted"})):
-        proposed = propose_on_file(ProposeJob(EXAMPLE / "scan.ply", "ply", "m", None, facts))
-        events = events_of(EXAMPLE / "scan.ply", tmp_path / name, {}, orientation=facts)
-        results[name] = (
-            proposed,
-            [each.nodes for each in events[1:-1]],
-            events[-1].result.document()["landmarks"],
-            {**calls},
-        )
-        calls.update(fits=0)
-    assert results["fitted"][:3] == results["to be fitted"][:3]
-    assert (results["fitted"][3]["fits"], results["to be fitted"][3]["fits"]) == (2, 4)
 
 
 @pytest.mark.slow
@@ -191,19 +169,18 @@ def test_an_upload_is_read_with_the_model_that_is_served_and_another_model_looks
     assert calls["fronts"] == calls["starts"] == 1
 
 
-@pytest.mark.parametrize("stance", ["standing", "supine"])
 def test_the_small_picture_is_the_same_with_the_rays_of_the_fit(
-    stance: str, bare: dict[str, Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    bare: dict[str, Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     made: list[bytes] = []
 
     def with_and_without(surface: Surface, frame: dict, rays: RayCaster | None) -> bytes:
-        assert (rays is None) is (stance == "supine")  # on a table, which the fit does not see
+        assert rays is not None
         made.extend(thumbnail_png(surface, frame, some) for some in (rays, None))
         return made[0]
 
     monkeypatch.setattr(read_upload_module, "thumbnail_png", with_and_without)
-    upload(bare[stance], tmp_path)
+    upload(bare["standing"], tmp_path)
     assert made[0] == made[1]
 
 
@@ -217,20 +194,16 @@ def test_a_command_line_proposal_reads_prepares_and_orients_once(
     propose_on_file(ProposeJob(bare["standing"], "ply", "m"))
     assert calls == {"fits": 1, "fronts": 1, "starts": 1}
     assert cleaned == [1]
-    propose_on_file(ProposeJob(EXAMPLE / "scan.ply", "ply", "m"))  # goes on with what its colours show
-    assert calls == {"fits": 3, "fronts": 2, "starts": 2}
-    assert cleaned == [1, 1]
 
 
 @pytest.mark.slow
 def test_what_was_cut_as_table_or_by_hand_is_in_the_result(tmp_path: Path) -> None:
-    """Said or found: a lying patient's table goes, and result.json says how much of the scan that was."""
+    """A lying patient's table goes, and result.json says how much of the scan that was."""
     picks = json.loads((SUPINE / "landmarks.json").read_text())["landmarks"]
-    for stance in ("auto", "supine"):
-        result = events_of(SUPINE / "scan.ply", tmp_path / stance, picks, stance=stance)[-1].result.document()
-        cut = result["scan"]["table_triangles"]
-        assert 0.3 < cut / result["scan"]["triangles"] < 0.45
-        assert f"{cut} triangles of the table under the patient were left out." in result["notes"]
+    result = events_of(SUPINE / "scan.ply", tmp_path / "auto", picks)[-1].result.document()
+    cut = result["scan"]["table_triangles"]
+    assert 0.3 < cut / result["scan"]["triangles"] < 0.45
+    assert f"{cut} triangles of the table under the patient were left out." in result["notes"]
     scan = read_scan(SUPINE / "scan.ply", "ply", "auto", texture=False)
     lasso = [[-0.06, -1.0], [0.1, -1.0], [0.1, 1.0], [-0.06, 1.0]]
     corner = {"to_picture": np.eye(4).ravel().tolist(), "lasso": lasso}

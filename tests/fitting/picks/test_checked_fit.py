@@ -32,15 +32,6 @@ def gap(rig: Rig, last: FitIterate, name: str, place: Array) -> float:
 
 
 @pytest.mark.slow
-def test_true_picks_are_followed_without_a_word(torso: Rig) -> None:
-    _, true, _ = patient(torso, 1)
-    task = task_of(torso, 1, true, true)
-    last = list(checked_iterates(task))[-1]
-    assert last.not_followed == ()
-    assert named(task, last) == []
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "away"),
     [
@@ -94,17 +85,6 @@ def test_a_pick_on_another_landmarks_place_is_rejected_with_its_name(torso: Rig)
     (doubt,) = last.not_followed
     assert doubt.names == ("nipple_R",)
     assert "where nipple_L is expected" in doubt.reason
-
-
-@pytest.mark.slow
-def test_a_certain_pick_is_followed_and_not_asked_about(torso: Rig) -> None:
-    _, true, _ = patient(torso, 5)
-    wrong = {name: place for name, place in true.items() if name != "nipple_L"}
-    wrong["nipple_R"] = true["nipple_L"]
-    task = task_of(torso, 5, wrong, true).with_picks(wrong, certain=("nipple_R",))
-    last = list(checked_iterates(task))[-1]
-    assert last.not_followed == ()
-    assert ("nipple_R",) not in named(task, last)
 
 
 @pytest.mark.slow

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import nibabel
 import numpy as np
-import pytest
 from helpers.label_maps import front_labels, in_lps
 
 from breastrig.core.clock import Clock
@@ -63,14 +62,9 @@ def map_of_front(turn: np.ndarray, codes: str = "LPS", around_mm: tuple[float, f
     return bytes(image.to_bytes())
 
 
-@pytest.mark.parametrize(
-    ("about", "codes"),
-    [((-0.5, 0.0, 0.0), "IRA"), ((0.0, 0.0, 0.5), "SAL")],
-    ids=["to the head", "rolled"],
-)
-def test_a_cut_and_oblique_map_is_never_turned_round(about: tuple[float, float, float], codes: str) -> None:
-    turn = exp_so3(np.array(about))
-    scan = read_scan(map_of_front(turn, codes))
+def test_a_cut_and_oblique_map_is_never_turned_round() -> None:
+    turn = exp_so3(np.array([-0.5, 0.0, 0.0]))
+    scan = read_scan(map_of_front(turn, "IRA"))
     proposed = propose_on_scan(RIG, scan)
     for name in ("nipple_L", "nipple_R"):
         assert np.linalg.norm(1e3 * proposed[name].point - turn @ places()[name]) < 40.0

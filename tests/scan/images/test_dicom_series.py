@@ -28,7 +28,7 @@ def read(content: dict[str, bytes], series: str | None = None) -> ImageVolume:
 
 
 def of(change: Change, **more: object) -> ImageVolume:
-    return read(files(Series(chest_image(), change=change, **more)))  # type: ignore[arg-type]
+    return read(files(Series(chest_image(), change=change, **more)))
 
 
 def refusal(content: dict[str, bytes]) -> str:

@@ -85,7 +85,7 @@ def asked(data: bytes, on: KeptImage) -> NeedsAnswer:
 @pytest.mark.parametrize(
     "write", [as_nrrd, as_nifti, lambda labels, place: meta_image(labels, meta_fields(labels, place))]
 )
-def test_a_map_of_the_lesion_alone_on_the_image_s_grid(write) -> None:  # type: ignore[no-untyped-def]
+def test_a_map_of_the_lesion_alone_on_the_image_s_grid(write) -> None:
     found = lesions_in(write(mask(), affine()), kept(), NOTHING_SAID)
     check(found)
     (segment,) = found.segments
@@ -154,7 +154,7 @@ def mr_front() -> float:
 
 
 def test_tissue_holds_what_spoils_images() -> None:
-    for option in ("plain", "fat suppressed", "one coil half at 30 %", "three times the noise", "all of the back"):
+    for option in ("fat suppressed", "one coil half at 30 %", "three times the noise"):
         spoiled = mr_image(option)
         tissue = tissue_of(kept_image(spoiled.image))
         front = spoiled.image.affine[:3, 3] + [200.0, 3.0, 100.0]
@@ -178,7 +178,7 @@ def test_another_frame_of_reference_is_asked_and_the_same_is_not() -> None:
     assert FRAME not in frame_digest(FRAME)
 
 
-def volume_frame(dataset) -> str:  # type: ignore[no-untyped-def]
+def volume_frame(dataset) -> str:
     from breastrig.scan.volumes.volume import Volume
     from breastrig.scan.volumes.volume_files import read_volume
 

@@ -31,12 +31,11 @@ FILES = ("scan.ply", "truth.ply", "landmarks.json", "case.json")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Standing as all are scanned, lying coarsely and from half of the places."""
+    """Scanned coarsely and from half of the places."""
     made = tmp_path_factory.mktemp("virtual")
 
     def half_coarse(bodies: Bodies, body: VirtualBody, random: np.random.Generator) -> SimulatedScan:
-        half = Circumstances() if body.stance == "standing" else Circumstances(voxel=0.008, every=2)
-        return scan_skin(body, bodies.faces, bodies.scanned, random, half)
+        return scan_skin(body, bodies.faces, bodies.scanned, random, Circumstances(voxel=0.008, every=2))
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(make, "scan_body", half_coarse)

@@ -59,10 +59,6 @@ def test_a_body_is_the_same_alone_and_again_and_then_stays(tmp_path: Path) -> No
     )
     make_warped(tmp_path / "both", said.append, bodies=2)
     assert len(said) == 6
-    about["made_by"]["warped"] = -1
-    (tmp_path / "both" / name / "patient.json").write_text(json.dumps(about))
-    make_warped(tmp_path / "both", said.append, bodies=2)
-    assert len(said) == 8
 
 
 def test_two_of_five_bodies_of_each_half_are_independent_where_there_are_such_sources() -> None:
