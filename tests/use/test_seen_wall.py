@@ -13,9 +13,13 @@ from helpers.walled_patient import LESION, WALL, contours, image, lesion_of, mar
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.errors import BadInput
+from breastrig.core.identity import Identity
+from breastrig.drawings.plan_schema import empty_plan_on_scan
 from breastrig.files.result import ResultFile, read_result
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
+from breastrig.use.reports import share_snapshot
+from breastrig.use.reports.share_snapshot import SnapshotJob, snapshot_files
 from breastrig.use.steps.prepare import scan_of_job
 from breastrig.use.steps.settings import FitJob
 
@@ -108,6 +112,14 @@ def test_a_case_and_a_batch_have_it(fits: Path, tmp_path: Path) -> None:
     assert read_result(tmp_path / "batch" / "0001-mri").wall == wanted
     case.delete_scan(scan)
     assert not any(b'"wall"' in file.read_bytes() for file in (tmp_path / "hers").rglob("*") if file.is_file())
+
+
+def test_a_link_has_no_surface_of_it(fits: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(share_snapshot, "report_pdf_of", lambda _job: b"")
+    plan = empty_plan_on_scan("mm") | {"version": 0, "whole": False}
+    for shows_scan in (True, False):
+        job = SnapshotJob(fits / "prone", plan, (), Identity(), tmp_path, shows_scan=shows_scan)
+        assert "wall" not in json.loads(snapshot_files(job)["result.json"])
 
 
 @pytest.fixture(scope="module")

@@ -90,7 +90,7 @@ def snapshot_files(job: SnapshotJob) -> dict[str, bytes]:
     plan, own = ({key: said for key, said in each.items() if key not in WHOSE} for each in (plan, own))
     result = fit.result if job.shows_scan else _result_of_model(fit, alone)
     files = {
-        RESULT: result.model_copy(update={"files": {}}).content(),  # those beside it are others
+        RESULT: result.model_copy(update={"files": {}, "wall": None}).content(),  # other files are beside it
         "fitted.ply": surface_ply(surface, rig.faces, fit.metres_per_unit),
         "fitted.glb": _fitted_glb(fit, surface, plan, own),
         "drawing.json": json_bytes(own),
