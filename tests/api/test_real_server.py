@@ -36,7 +36,7 @@ def test_a_server_that_is_killed_forgets_no_fit_and_leaves_no_process(
         body = {"scan": scan_id, "drawing": None}
         done = client.post("/api/fits", json=body).json()["links"]
         received = read_events(client, done["events"])
-        running = [client.post("/api/fits", json=body | {"preset": "paper"}).json()["links"] for _ in range(8)]
+        running = [client.post("/api/fits", json=body | {"preset": "paper"}).json()["links"] for _ in range(4)]
         until(lambda: client.get(running[0]["self"]).json()["iterations"] > 1, "a running fit")
         first = client.get(running[0]["events"] + ".json?limit=3").json()["events"]
         begun = client.get(running[0]["self"]).json()

@@ -1,7 +1,6 @@
 """The report over HTTP, PDF and numbers: real fits of the example patient, what is kept with a fit, what is refused."""
 
 import io
-import re
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -10,7 +9,7 @@ import numpy as np
 import pypdf
 import pytest
 from flask.testing import FlaskClient
-from helpers.blank_pictures import blank_pictures, blank_pictures_in_reports
+from helpers.blank_pictures import blank_pictures_in_reports
 from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
 from PIL import Image
@@ -25,7 +24,7 @@ from breastrig.service.reports import TWO_PATIENTS
 from breastrig.service.service import Service
 from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.storage import Storage, utc_now
-from breastrig.use.reports.report import ReportJob, report_files, reported
+from breastrig.use.reports.report import ReportJob, reported
 
 pytestmark = pytest.mark.long
 
@@ -131,30 +130,6 @@ def test_what_is_cut_away_after_the_fit_is_not_in_its_report(real: Real, monkeyp
     client.put(place, json={"cuts": []})
     assert client.get(address).data == first
     assert len(jobs) == 1, "the one without the cut is remembered still"
-
-
-@pytest.mark.slow
-def test_the_measures_are_those_of_the_command(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:
-    service, client, _, fits = real
-    place = client.get(f"/api/fits/{fits['standing']}").json["links"]["measures"]
-    folder = service.storage.files.fit(fits["standing"])
-    answer = client.get(place)
-    assert (answer.status_code, answer.mimetype) == (200, "application/json")
-    assert answer.headers["Cache-Control"] == "no-store"
-    blank_pictures(monkeypatch)
-    files = report_files(ReportJob(folder))
-    assert answer.data == files["report.json"]
-    with client.get(place.replace(".json", ".csv")) as table:
-        assert table.data == files["measures.csv"]
-        assert re.search(r"_standing_.*_measures[.]csv$", table.headers["Content-Disposition"])
-    assert client.get(place, headers={"If-None-Match": answer.headers["ETag"]}).status_code == 304
-    document = MeasuresFile.model_validate(answer.json)
-    assert [stance.name for stance in document.stances] == ["standing"]
-    [straight] = [row for row in document.measures if (row.measure, row.kind) == ("nipple_midline", "straight")]
-    assert straight.left is not None
-    assert straight.right is not None
-    assert 50.0 < straight.left < 200.0
-    assert straight.difference == pytest.approx(straight.left - straight.right, abs=0.011)
 
 
 def test_a_length_and_the_median_plane_are_the_same_for_page_and_report(real: Real) -> None:

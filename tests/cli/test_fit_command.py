@@ -23,7 +23,6 @@ from breastrig.fitting.task import PickIssue
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.bands import margin_text
-from breastrig.scan.pictures.companions import NO_MATERIAL
 from breastrig.use import fit as run_fit
 
 pytestmark = pytest.mark.long
@@ -336,19 +335,3 @@ def test_a_tumour_at_ten_oclock_of_the_left_breast_is_its_upper_inner_quadrant(p
     assert arm @ left < 0.0
     assert arm @ up > 0.0
     assert (middle["tumour_R"] - marks["nipple_R"]) @ left > 0.0  # 3 o'clock is medial on the right breast
-
-
-def test_what_was_lost_of_a_scan_is_said_on_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    scan = trimesh.load(EXAMPLE / "scan.ply", process=False)
-    lines = ["mtllib gone.mtl", *("v {:.6f} {:.6f} {:.6f}".format(*place) for place in scan.vertices)]
-    lines += ["f {} {} {}".format(*(face + 1)) for face in scan.faces]
-    (tmp_path / "scan.obj").write_text("\n".join([*lines, ""]))
-    arguments = [
-        str(tmp_path / "scan.obj"),
-        "--landmarks",
-        str(EXAMPLE / "landmarks.json"),
-        "-o",
-        str(tmp_path / "out"),
-    ]
-    assert main(["fit", *arguments]) == 0
-    assert capsys.readouterr().err.splitlines() == [f"breastrig: {NO_MATERIAL}"]

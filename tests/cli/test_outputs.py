@@ -163,13 +163,12 @@ def test_a_transfer_replaces_neither_fit_nor_a_drawing_that_is_not_its_own(
 
 
 @pytest.mark.slow
-def test_reports_exports_and_comparisons_replace_their_own_files_only(
+def test_exports_and_comparisons_replace_their_own_files_only(
     fits: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blank_pictures(monkeypatch)
     fit, drawing = str(fits / "standing"), str(fits / "standing" / "drawing.json")
     commands = {
-        "measures.csv": ("report.json", ["report", fit]),
         "drawing.obj": ("surface.json", ["export", fit]),
         "compare.png": ("compare.json", ["compare", "--on", fit, drawing, drawing]),
     }

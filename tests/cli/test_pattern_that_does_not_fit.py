@@ -97,24 +97,3 @@ def test_a_row_of_a_batch_is_done_once_and_its_line_says_what_is_missing(
     assert main(["batch", str(manifest), "-o", str(out)]) == 4
     assert capsys.readouterr().err == f"breastrig: long: {missing}\n"
     assert (out / "long" / "result.json").stat().st_mtime_ns == written
-
-
-@pytest.mark.slow
-def test_predicted_or_carried_as_part_of_a_plan_all_else_is_written_and_the_code_is_4(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out, lying, there, plan = (tmp_path / name for name in ("out", "lying", "there.json", "plan.json"))
-    (missing,) = fitted(out, "--drawing", f"lumpectomy+{TOO_LONG}")["drawing_missing"]
-    capsys.readouterr()
-    assert main(["predict", str(out), "--stance", "supine", "-o", str(lying)]) == 4
-    assert f"breastrig: {missing}\n" in capsys.readouterr().err
-    assert json.loads((lying / "result.json").read_text("utf-8"))["predicted"]
-    assert shape_names(lying) == shape_names(out) != []
-    patterns = {"w": {"limb_mm": 80.0}, "v": {}}
-    items = [{"kind": "pattern", "id": key, "name": "reduction", "parameters": p} for key, p in patterns.items()]
-    plan.write_text(json.dumps({"schema": "breastrig/plan@1", "items": items}), "utf-8")
-    assert main(["transfer", "--from", str(out), "--to", str(lying), "--drawing", str(plan), "-o", str(there)]) == 4
-    assert "limbs of 80 mm reach the fold" in capsys.readouterr().err
-    carried = json.loads(there.read_text("utf-8"))
-    assert [each["item"] for each in carried["missing"]] == ["w", "w"]  # each side by itself
-    assert carried["shapes"] != []

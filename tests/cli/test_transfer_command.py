@@ -58,18 +58,6 @@ def test_by_the_place_on_the_model_the_same_scan_has_the_same_drawing(fits: Path
         assert folder.metres_per_unit * near[~bridged].max() < 0.5e-3
 
 
-def test_a_drawing_on_the_model_and_one_on_the_scan_arrive_at_the_same_place(fits: Path, tmp_path: Path) -> None:
-    rig = read_fit_folder(fits / "standing").rig
-    landmark = next(each for each in rig.landmarks if each.name == "nipple_L")
-    on_model = {"face": landmark.face, "barycentric": list(landmark.barycentric)}
-    document = {"schema": "breastrig/drawing@1", "shapes": [{"name": "nipple", "surface_points": [on_model]}]}
-    (tmp_path / "model.json").write_text(json.dumps(document))
-    found = transfer(fits, "standing", "supine", tmp_path / "out.json", "--drawing", str(tmp_path / "model.json"))
-    goal = read_fit_folder(fits / "supine")
-    there = goal.metres_per_unit * np.array(found["shapes"][0]["points"])
-    assert np.linalg.norm(there - goal.landmarks["nipple_L"], axis=1).max() < 8e-3
-
-
 @pytest.mark.parametrize(
     ("drawing", "word"),
     [

@@ -21,7 +21,7 @@ documents = st.recursive(
 )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(documents)
 def test_it_is_the_standard_librarys(document: object) -> None:
     assert indented(document) == json.dumps(document, indent=1, allow_nan=False)

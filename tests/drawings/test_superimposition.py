@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-from helpers.surfaces import plane
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.superimposition import gaps
-from breastrig.drawings.superimposition_picture import PANEL, VIEWS, superimposed
 from breastrig.geometry.polyline import Polyline
-from breastrig.geometry.rotations import exp_so3
 
 
 def shape(points: Array, name: str = "cut", closed: bool = False) -> Polyline:
@@ -50,15 +47,3 @@ def test_a_single_point_is_compared_with_a_single_point() -> None:
 def test_drawings_without_a_common_name_are_refused() -> None:
     with pytest.raises(BadDrawing, match="no shape of the same name"):
         gaps([shape(circle(0.05), "a")], [shape(circle(0.05), "b")])
-
-
-def test_the_picture_shows_the_first_black_the_second_white_in_every_view() -> None:
-    vertices, faces = plane(0.4)
-    turn = exp_so3(np.array([0.3, 1.0, -0.2]))
-    first, second = [shape(circle(0.05) @ turn.T, closed=True)], [shape(circle(0.08) @ turn.T, closed=True)]
-    picture = superimposed(vertices @ turn.T, faces, turn, (first, second), ("own", "model"), gaps(first, second))
-    assert picture.shape[1] == PANEL[0] * len(VIEWS)
-    for column in range(len(VIEWS)):
-        panel = picture[: PANEL[1] - 60, column * PANEL[0] : (column + 1) * PANEL[0]].reshape(-1, 3).astype(int)
-        assert (panel.max(axis=1) < 30).sum() > 300
-        assert (panel.min(axis=1) == 255).sum() > 300

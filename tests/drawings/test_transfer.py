@@ -1,7 +1,6 @@
 """Drawings carried between surfaces where the answer is known."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred
-from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.polyline import Polyline
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.model import Rig
@@ -186,49 +184,3 @@ def test_a_fit_that_is_not_on_its_scan_is_refused(torso: Rig) -> None:
     off = replace(a, vertices=a.vertices + 1.0)
     with pytest.raises(BadDrawing, match="does not lie on its scan"):
         transferred(torso, a, off, [shape(a.target.vertices[:1])])
-
-
-def lines_on_a_sphere(rng: np.random.Generator, target: ScanTarget, count: int) -> list[Polyline]:
-    """Lines of some corners, near ones and far ones, closed or not, one of them over a hole."""
-    shapes = []
-    for k in range(count):
-        middle = rng.normal(size=3)
-        corners = 0.1 * middle / np.linalg.norm(middle) + rng.normal(scale=0.02, size=(int(rng.integers(1, 6)), 3))
-        points = target.search.query(corners).points
-        bridged = np.array([k == 1] * len(points))
-        shapes.append(Polyline(f"line {k}", bool(k % 2), "#123456", points, bridged))
-    return shapes
-
-
-def test_lines_are_carried_together_as_each_would_be_alone_and_searched_for_once(
-    toy_rig: Rig, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A drawing of 200 lines took 43 s, as everything was prepared and asked again for each line."""
-    vertices, faces = sphere()
-    rig = rig_of(toy_rig, vertices, faces)
-    a, b = fitted(vertices, faces), fitted(moved(vertices), faces)
-    shapes = lines_on_a_sphere(rng, a.target, 5)
-    asked, made = [0], [0]
-    query, init = ClosestPointSearch.query, ClosestPointSearch.__init__
-
-    def counted_query(self: ClosestPointSearch, *words: Any, **more: Any) -> Any:
-        asked[0] += 1
-        return query(self, *words, **more)
-
-    def counted_init(self: ClosestPointSearch, *words: Any) -> None:
-        made[0] += 1
-        init(self, *words)
-
-    monkeypatch.setattr(ClosestPointSearch, "query", counted_query)
-    monkeypatch.setattr(ClosestPointSearch, "__init__", counted_init)
-    together = transferred(rig, a, b, shapes)
-    all_asked, all_made = asked[0], made[0]
-    asked[0] = made[0] = 0
-    for shape, found in zip(shapes, together, strict=True):
-        (alone,) = transferred(rig, a, b, [shape])
-        assert alone.line.name == found.line.name
-        np.testing.assert_allclose(found.line.points, alone.line.points, atol=1e-12)
-        np.testing.assert_array_equal(found.line.bridged, alone.line.bridged)
-        np.testing.assert_allclose(found.distance_to, alone.distance_to, atol=1e-12)
-    assert all_asked <= asked[0] / len(shapes) + 2
-    assert all_made <= made[0] / len(shapes) + 2

@@ -26,7 +26,6 @@ def scan_of(torso: Rig, weights_of: dict[str, float]) -> FittedScan:
     ("small", "parameters", "offered"),
     [
         ("L", {}, {"Vertical pattern", "The right side only"}),
-        ("R", {"areola_mm": 45.0}, {"Vertical pattern", "The left side only"}),
         ("L", {"side": "L"}, {"Vertical pattern"}),
         ("L", {"limb_mm": 75.0}, {"Vertical pattern"}),  # too long for both
     ],

@@ -45,7 +45,7 @@ def gaps_in_errors(proposals: dict[str, Proposal]) -> np.ndarray:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("side", [1.0])
 def test_on_half_a_torso_the_errors_say_that_the_body_may_lie_another_way(side: float) -> None:
     scan = read_scan(STANDING / "scan.ply", "ply", "auto", texture=False)
     true, unit = read_landmarks(STANDING / "landmarks.json")

@@ -12,7 +12,6 @@ from helpers.results import TO_LANDMARKS, result_file
 from breastrig.core.identity import Identity
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.polyline import Polyline
-from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.report.document import PlannedItem, Reported, report_document, stance_names
 from breastrig.report.measures import measures
 from breastrig.report.pages.names import spoken, spoken_together
@@ -135,18 +134,6 @@ def test_each_lesion_has_its_numbers_and_slices_for_each_stance(toy_stance: Stan
         "to Cut 9 mm, 5 to 13 its place as given axial supine radius 6.5 mm to the skin 12 mm, 8 to 17 "
         "its place ± 9 mm The scan shows no skin next to it: its depth is the model's guess. axial" in text
     )
-
-
-def test_lines_that_are_no_item_of_a_plan_have_their_names_and_no_raw_ids() -> None:
-    rig = read_rig(default_rig_path())
-    marks = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
-    line = Polyline("wise_fold_L", False, "#000000", marks["mid_sternum"][None], np.zeros(1, np.bool_))
-    stance = Stance(rig, rig.template, rig.template, rig.faces, "standing", lines=(line,))
-    texts = pages(report_pdf([shown(stance)]))
-    assert "No plan. Drawn with the fit: New fold, left." in texts[0]
-    assert texts[-1].count("New fold, left") == 1
-    assert "Tape sheet, standing" in texts[-1]
-    assert "_L" not in " ".join(texts)
 
 
 def test_unusual_picks_stand_among_the_doubts(toy_stance: Stance) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 import trimesh
+from helpers.blank_pictures import blank_pictures
 from helpers.cohort import FEW, write_patient
 
 from breastrig.cli.main import main
@@ -48,6 +49,7 @@ def fewer_fits() -> Iterator[None]:
         patch.setattr(landmarks, "CLICKERS", 2)
         patch.setattr(registry, "REPEATS", 1)
         patch.setattr(charts, "DPI", 40)
+        blank_pictures(patch)
         free_form = partial(trimesh.registration.nricp_amberg, steps=[[0.01, 10, 0.5, 1]])
         patch.setattr(trimesh.registration, "nricp_amberg", free_form)
         yield

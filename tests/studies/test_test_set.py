@@ -6,12 +6,8 @@ from pathlib import Path
 import pytest
 
 from breastrig.cli.main import main
-from breastrig.fitting.recipe import load_recipe
-from breastrig.rig.model import Rig
 from breastrig_studies import command
-from breastrig_studies.cohort import read_cohort
 from breastrig_studies.studies import registry
-from breastrig_studies.studies.case import read_scene
 from breastrig_studies.studies.trust.asked import asked
 
 RIGHT = {"level": "good", "reasons": [], "error_mm": 3.0, "stance": "standing", "unclear": False}
@@ -50,11 +46,3 @@ def test_a_test_set_is_looked_at_once_for_each_commit(
     assert "abc1234 already" in capsys.readouterr().err
     assert main([*look, "--again"]) == 0
     assert log.read_text().splitlines() == [*first, first[-1]]
-
-
-def test_a_scan_is_asked_about_as_people_do(cohort: Path, rig: Rig) -> None:
-    found = asked(read_scene(read_cohort(cohort)[0]), rig, load_recipe("default"))
-    assert found["all"]["error_mm"] < 5.0
-    assert found["all"]["error_mm"] < found["one_wrong"]["error_mm"]
-    assert found["one_wrong"]["level"] != "good"
-    assert {found[kind]["stance"] for kind in ("all", "none")} == {"standing"}

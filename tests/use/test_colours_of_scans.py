@@ -75,26 +75,13 @@ def test_what_colours_show_counts_beside_picks_of_other_landmarks() -> None:
     place = asset_folder("example") / "standing"
     scan, (true, unit) = breastrig.read_scan(place / "scan.ply", "m"), read_landmarks(place / "landmarks.json")
     assert unit == "mm"
-    alone, beside, one = (
+    alone, beside = (
         breastrig.fit(scan, {name: [1e-3 * x for x in true[name]] for name in names} or None).result
-        for names in ((), ("xiphoid", "acromion_L", "acromion_R"), ("xiphoid", "acromion_L", "nipple_L"))
+        for names in ((), ("xiphoid", "acromion_L", "acromion_R"))
     )
     assert alone["landmarks_seen"] == {"nipple_L": "areola seen", "nipple_R": "areola seen"}
     assert beside["landmarks_seen"] == alone["landmarks_seen"]
-    assert one["landmarks_seen"].keys() == {"nipple_R"}, "what is picked is not looked for"
     for name in ("nipple_L", "nipple_R"):
         assert beside["landmarks"][name] == pytest.approx(alone["landmarks"][name], abs=0.002)
         radii = [each["landmark_uncertainty_mm"][name] for each in (alone, beside)]
         assert radii[1] < max(1.05 * radii[0], radii[0] + 1.0)
-
-
-@pytest.mark.slow
-def test_three_true_picks_make_no_other_landmark_less_sure() -> None:
-    """What form and colours say of the others stays beside picks, and so do the factors of their radii."""
-    place = asset_folder("example") / "supine"
-    scan, (true, _) = breastrig.read_scan(place / "scan.ply", "m"), read_landmarks(place / "landmarks.json")
-    before = breastrig.fit(scan).result["landmark_uncertainty_mm"]
-    picks = {name: [1e-3 * x for x in true[name]] for name in ("suprasternal_notch", "midclavicle_L", "nipple_R")}
-    after = breastrig.fit(scan, picks).result["landmark_uncertainty_mm"]
-    assert {name for name in after.keys() - picks.keys() if after[name] > 1.02 * before[name]} == set()
-    assert sum(after[name] < 0.9 * before[name] for name in after) >= 5

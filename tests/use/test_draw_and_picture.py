@@ -20,11 +20,6 @@ def fits(tmp_path_factory: pytest.TempPathFactory) -> tuple[breastrig.Fit, breas
 Fits = tuple[breastrig.Fit, breastrig.Fit]
 
 
-def lesion(fit: breastrig.Fit, deep_mm: float = 30.0) -> breastrig.Lesion:
-    back = 1e-3 * deep_mm / fit.metres_per_unit * fit.frame.front
-    return breastrig.Lesion("Lesion 1", fit.landmarks["nipple_L"] - back, 7.0)
-
-
 def test_the_frame_is_right_handed_and_mirrors_the_body_onto_itself(fits: Fits) -> None:
     frame, marks = fits[0].frame, fits[0].landmarks
     np.testing.assert_allclose(np.cross(frame.left, frame.up), frame.front, atol=1e-12)
@@ -66,18 +61,6 @@ def test_rough_places_become_a_line_on_the_skin(fits: Fits) -> None:
     for nothing in (np.zeros((0, 3)), [[np.nan, 0.0, 0.0]], [1.0, 2.0]):
         with pytest.raises(breastrig.BadDrawing):
             breastrig.project(fit, nothing)
-
-
-def test_a_lesion_is_drawn_and_carried_with_the_lines_beside_it(fits: Fits) -> None:
-    standing, supine = fits
-    here = breastrig.draw(standing, [lesion(standing), standing.drawing.lines[0]])
-    [own] = here.lesions
-    assert own.error_mm == 0.0
-    assert own.distances_mm["nipple_L"][0] == pytest.approx(30.0, abs=0.5)
-    there = breastrig.transfer(standing, supine, here)
-    [carried] = there.lesions
-    assert carried.error_mm > 2.0
-    assert {line.name for line in there.lines} == {"Lesion 1", standing.drawing.lines[0].name}
 
 
 def test_what_cannot_be_drawn_is_said_in_a_sentence(fits: Fits) -> None:
@@ -141,7 +124,7 @@ def test_a_report_of_fits_in_memory_is_that_of_their_folders(
     fits: Fits, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blank_pictures(monkeypatch)
-    pattern = breastrig.draw(fits[0], "reduction:areola_mm=42")
+    pattern = breastrig.draw(fits[0], "tumour:side=L,clock=10,distance_mm=45,radius_mm=12")
     assert breastrig.write_report(fits[0], tmp_path / "memory", fits[1], plan=pattern, code="P-1") == ()
     for fit, name in zip(fits, ("standing", "supine"), strict=True):
         fit.save(tmp_path / name)

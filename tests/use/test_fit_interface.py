@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from helpers.blank_pictures import blank_pictures
 from helpers.results import without_hashes
 from helpers.same_files import assert_same_files
 from threadpoolctl import threadpool_info, threadpool_limits
@@ -66,17 +65,6 @@ def test_landmarks_by_name_in_the_scans_unit_and_a_scan_that_was_read_give_the_s
     again = breastrig.fit(scan, named, tumours=[TUMOUR], model=breastrig.load_model())
     np.testing.assert_allclose(again.vertices, fit.vertices, atol=1e-6 / scan.metres_per_unit)
     assert again.result["scan"] == fit.result["scan"]
-
-
-@pytest.mark.slow
-def test_a_landmark_file_without_a_unit_has_the_scans(in_millimetres: Path, tmp_path: Path) -> None:
-    picks, _ = read_landmarks(PICKS)
-    moved = {name: place + OFFSET for name, place in picks.items()}
-    (tmp_path / "picks.csv").write_bytes(landmark_file(moved, "csv"))
-    by_file = breastrig.fit(in_millimetres, tmp_path / "picks.csv", units="mm", drawing=None)
-    by_name = breastrig.fit(in_millimetres, moved, units="mm", drawing=None)
-    np.testing.assert_array_equal(by_file.vertices, by_name.vertices)
-    assert by_file.result["landmarks_picked"] == by_name.result["landmarks_picked"]
 
 
 @pytest.mark.slow
@@ -224,22 +212,6 @@ def test_values_of_a_fit_come_from_what_is_measured_and_from_nothing_else(fit: b
     measured = [breastrig.measure(each) for each in (fit, larger)]
     widths = [next(row.left for row in rows if row.name == "base_width" and row.left) for rows in measured]
     assert widths[1].value == pytest.approx(1.02 * widths[0].value, rel=0.002)
-
-
-def test_the_measures_are_those_of_the_report(
-    measures: tuple[breastrig.Measure, ...], by_command: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    blank_pictures(monkeypatch)
-    assert main(["report", str(by_command), "-o", str(tmp_path)]) == 0
-    rows = json.loads((tmp_path / "report.json").read_text())["measures"]
-    found = measures
-    assert [(each.name, each.kind, each.unit) for each in found] == [
-        (row["measure"], row["kind"], row["unit"]) for row in rows
-    ]
-    for each, row in zip(found, rows, strict=True):
-        for number, key in ((each.left, "left"), (each.right, "right"), (each.value, "value")):
-            assert (number is None) == (row[key] is None)
-            assert number is None or number.value == pytest.approx(row[key], abs=0.051)
 
 
 def test_what_was_read_is_never_replaced_and_what_is_anothers_only_by_force(tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 from helpers.example_patient import EXAMPLE
 from helpers.random_pose import random_parameters
 
@@ -21,7 +20,6 @@ from breastrig.gltf.pose_nodes import node_poses, posed_by_nodes
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.similarity import Similarity
-from breastrig.rig.skinning import pose
 from breastrig.scan.clean import Surface
 from breastrig.scan.orient import LABEL_MAP_FRAME
 from breastrig.use.fit import run_fit
@@ -39,40 +37,11 @@ def nodes(event: Event) -> list[dict[str, object]]:
     return event.model_dump()["nodes"]
 
 
-def fitted(rig: Rig, events: list[Event]) -> np.ndarray:
-    """(V, 3) m"""
-    return pose(rig, posed_by_nodes(rig, nodes(events[-2])))
-
-
 def test_nodes_and_parameters_are_two_words_for_one_pose(rig: Rig, rng: np.random.Generator) -> None:
     x = random_parameters(rig, rng)
     back = posed_by_nodes(rig, node_poses(rig, x))
     for field in ("rotations", "translations", "scales", "weights"):
         assert np.allclose(getattr(back, field), getattr(x, field), atol=2e-6)
-
-
-@pytest.mark.slow
-def test_after_one_pick_was_moved(rig: Rig, tmp_path: Path) -> None:
-    first = events_of(tmp_path / "first", PICKS, stance="standing")
-    earlier = EarlierFit("standing", nodes(first[-2]), rig.sha256)
-    skin_mm = 1e3 * trimesh.load(EXAMPLE / "scan.ply", process=False).vertices
-    wanted = np.add(PICKS["nipple_L"], [0.0, 10.0, 0.0])
-    moved = skin_mm[np.linalg.norm(skin_mm - wanted, axis=1).argmin()]
-    picks = PICKS | {"nipple_L": moved.tolist()}
-    fresh = events_of(tmp_path / "fresh", picks, stance="standing")
-    again = events_of(tmp_path / "again", picks, earlier=earlier)
-    assert again[0].stance == "standing"
-    assert "goes on from" in again[0].stance_reason
-    told = nodes(again[1])
-    assert np.allclose(pose(rig, posed_by_nodes(rig, told)), pose(rig, posed_by_nodes(rig, earlier.nodes)), atol=1e-5)
-    gaps = np.linalg.norm(fitted(rig, again) - fitted(rig, fresh), axis=1)
-    shift = np.linalg.norm(fitted(rig, again) - fitted(rig, first), axis=1)
-    assert gaps.mean() < 5e-4
-    assert gaps.mean() < 0.2 * shift.mean()
-    assert len(again) < len(fresh)
-    assert again[-1].result.document()["surface_distance_mm"]["mean"] == pytest.approx(
-        fresh[-1].result.document()["surface_distance_mm"]["mean"], abs=0.05
-    )
 
 
 def test_the_pose_of_another_model_is_refused(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import breastrig
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BreastRigError
 
-SCAN = str(asset_folder("example") / "standing" / "scan.ply")
+SCAN, PICKS = (str(asset_folder("example") / "standing" / name) for name in ("scan.ply", "landmarks.json"))
 PLACES = {
     *("find_ink", "fit", "iterates", "propose_landmarks", "read_scan", "transfer"),
     *("predict", "volume_mesh", "draw", "project", "example"),
@@ -36,7 +36,8 @@ def test_importing_the_package_loads_nothing_of_weight(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_whole_fit_needs_neither_server_nor_database_and_writes_nothing_by_itself(tmp_path: Path) -> None:
-    loaded = modules_after(f"import breastrig\nfit = breastrig.fit({SCAN!r})\nbreastrig.measure(fit)", tmp_path)
+    code = f"import breastrig\nfit = breastrig.fit({SCAN!r}, {PICKS!r})\nbreastrig.measure(fit)"
+    loaded = modules_after(code, tmp_path)
     assert list(tmp_path.iterdir()) == []
     assert "numpy" in loaded
     assert not loaded & {"flask", "apiflask", "uvicorn", "matplotlib"}

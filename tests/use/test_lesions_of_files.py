@@ -33,17 +33,6 @@ def test_a_fit_of_an_image_has_the_lesions_of_the_other_file(image: Path) -> Non
     assert LESIONS in fit.inputs
 
 
-def test_a_file_that_is_given_twice_counts_once(image: Path) -> None:
-    scan = breastrig.read_scan(image)
-    once = scan.with_lesions(LESIONS)
-    twice = scan.with_lesions(LESIONS, LESIONS.read_bytes())
-    assert scan.in_metres.lesions == ()
-    assert [each.name for each in twice.in_metres.lesions] == [each.name for each in once.in_metres.lesions]
-    assert [each.taken_as for each in once.segments] == ["tissue", "lesion", "lesion"]
-    none = scan.with_lesions(LESIONS, segments={2: "tissue", 3: "unused"})
-    assert none.in_metres.lesions == ()
-
-
 def test_a_scan_of_no_image_takes_none() -> None:
     with pytest.raises(BadScan, match="made of no image"):
         breastrig.fit(asset_folder("example") / "standing" / "scan.ply", lesions=[LESIONS])

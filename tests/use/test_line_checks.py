@@ -143,19 +143,6 @@ def test_why_there_are_no_checks_is_one_sentence(alone: breastrig.Fit) -> None:
     assert line_checks(replace(fit, checks=replace(fit.checks, observable=shut))).reason == NONE_LEFT
 
 
-def test_proposals_that_were_only_agreed_to_are_still_to_be_checked(alone: breastrig.Fit) -> None:
-    """A landmark at its proposed place counts once a person is sure of it."""
-    places = {each.name: each.place for each in alone.checks().checks}
-    proposals = breastrig.propose_landmarks(SCAN)
-    agreed = breastrig.fit(SCAN, {name: proposals[name] for name in places}, stance="supine")
-    assert {each.name for each in agreed.checks().checks} & places.keys()
-    sure = breastrig.fit(SCAN, {name: np.asarray(place) for name, place in places.items()}, stance="supine")
-    assert {each.name for each in sure.checks().checks}.isdisjoint(places)
-    assert sure.drawn_line_error_mm is not None
-    assert agreed.drawn_line_error_mm is not None
-    assert sure.drawn_line_error_mm < agreed.drawn_line_error_mm
-
-
 def test_a_landmark_that_was_cut_away_by_hand_is_not_to_be_checked(alone: breastrig.Fit, folder: Path) -> None:
     """A lasso of 8 cm around the first one, seen along its normal; the fit was made before."""
     first = alone.checks().checks[0]

@@ -19,7 +19,6 @@ from breastrig.use.steps.settings import FitJob
 
 EXAMPLE = asset_folder("example") / "standing"
 BESIDE = np.array([6.0, 5.0, 0.0])  # mm from the example's own pick, along the front; the model follows half of the way
-FAR = np.array([60.0, 40.0, 0.0])  # mm: another place, which is asked about
 
 
 def fitted_with(nipple: np.ndarray, out: Path) -> dict[str, object]:
@@ -69,12 +68,3 @@ def test_of_a_fit_of_a_plan_and_under_a_hand_alike(beside: Path) -> None:
     for lines in ([each.line for each in planned.lines], [line for line, _ in live.lines]):
         (again,) = (line.points for line in lines if line.name.startswith("areola_L"))
         assert again == pytest.approx(circle, abs=2e-6)
-
-
-def test_not_from_a_pick_that_is_asked_about(tmp_path: Path) -> None:
-    result = fitted_with(FAR, tmp_path)
-    asked_about = [*result["landmarks_not_followed"], *result["landmarks_unusual"]]
-    assert "nipple_L" in {name for doubt in asked_about for name in doubt["names"]}
-    circle, pick = areola(tmp_path), np.array(result["landmarks_picked"]["nipple_L"])
-    assert off_centre(circle, np.array(result["landmarks"]["nipple_L"])) < 0.002
-    assert off_centre(circle, pick) > 0.0035

@@ -10,7 +10,6 @@ import breastrig
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.rig.stance_priors import mean_weights
-from breastrig.scan.clean import compact
 
 MRI = (
     "suprasternal_notch",
@@ -82,15 +81,6 @@ def test_without_landmarks_nipples_and_xiphoid_are_found_by_the_form_of_hanging_
     assert max(off["nipple_L"], off["nipple_R"]) < 8.0, off
     assert off["xiphoid"] < 12.0, off
     assert fit.verdict.level in ("good", "check")
-
-
-def test_breasts_whose_folds_the_field_of_view_cuts_off_hang_all_the_same(
-    skin: tuple[breastrig.Scan, dict[str, np.ndarray]],
-) -> None:
-    scan, true = skin
-    above = scan.vertices @ TURN[:, 1] > true["nipple_L"] @ TURN[:, 1] - 22.0
-    vertices, faces = compact(scan.vertices, scan.faces[above[scan.faces].all(axis=1)])
-    assert breastrig.fit(breastrig.Scan.from_arrays(vertices, faces, unit="mm")).stance == "prone"
 
 
 def test_sides_that_are_exchanged_are_said_to_be(skin: tuple[breastrig.Scan, dict[str, np.ndarray]]) -> None:

@@ -9,13 +9,10 @@ from xml.etree import ElementTree as Xml
 import meshio
 import numpy as np
 import pytest
-import skfem
-from skfem.models.poisson import laplace, unit_load
 
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.arrays import Array
-from breastrig.core.units import METRES_PER_UNIT
 from breastrig.volume.volume_mesh import REGIONS
 
 
@@ -42,22 +39,6 @@ def test_arrays_are_in_the_scans_unit_and_frame(volume: breastrig.Volume, fits: 
     gaps = np.linalg.norm(volume.points[: len(fit.vertices)] - fit.vertices, axis=1) * fit.metres_per_unit
     assert gaps.max() == pytest.approx(volume.in_metres.moved, abs=1e-9)
     assert {"fixed", "sliding", "cuts"} < volume.sets.keys()
-
-
-@pytest.mark.parametrize("ending", ["msh"])
-def test_scikit_fem_reads_the_regions_and_solves(volume: breastrig.Volume, saved: Path, ending: str) -> None:
-    mesh = skfem.Mesh.load(saved / f"torso.{ending}")
-    np.testing.assert_allclose(mesh.p.T, volume.points, rtol=1e-8)
-    assert {name: len(members) for name, members in mesh.subdomains.items()} == {
-        name: (volume.region == index).sum() for index, name in enumerate(REGIONS)
-    }
-    if ending == "msh":
-        assert len(mesh.boundaries["skin_surface"]) == len(volume.surface)
-    basis = skfem.Basis(mesh, skfem.ElementTetP1())
-    cubic_metres = unit_load.assemble(basis).sum() * METRES_PER_UNIT[volume.unit] ** 3
-    assert cubic_metres == pytest.approx(volume.in_metres.volumes.sum())
-    heat = skfem.solve(*skfem.condense(laplace.assemble(basis), unit_load.assemble(basis), D=mesh.boundary_nodes()))
-    assert heat.max() > 0.0
 
 
 def test_scikit_fem_keeps_all_groups_of_an_msh_as_the_page_says(

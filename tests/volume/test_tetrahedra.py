@@ -104,7 +104,7 @@ def test_the_chest_under_breasts_is_that_of_women_without_them(rig: Rig) -> None
 
 
 def test_any_body_of_the_rig_is_sound(rig: Rig, rng: np.random.Generator) -> None:
-    x = random_parameters(rig, rng, turn=0.05, move=0.002, scale=0.1, shape=0.7)
+    x = random_parameters(rig, rng, turn=0.05, move=0.002, scale=0.1, shape=0.5)
     mesh = volume_mesh(rig, x, pose(rig, x))
     assert mesh.scaled_jacobian.min() >= 0.1
 

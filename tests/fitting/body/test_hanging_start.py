@@ -1,6 +1,5 @@
 """Breasts that hang are found without landmarks; whose breasts do not pays nothing for it."""
 
-import json
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -14,10 +13,8 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.body.expected_body import body_terms
 from breastrig.fitting.body.hanging import hanging_shapes, hanging_start, opening_of, unexplained_overhang
 from breastrig.fitting.fit import FitIterate
-from breastrig.fitting.hypotheses import orientation_from, scan_orientation
 from breastrig.fitting.picks.issues import unusual
 from breastrig.fitting.posterior import Posterior
-from breastrig.fitting.prepare_scan import PreparedScan
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.solve import checked_iterates, iterates_with_second_start
 from breastrig.fitting.starts.orientation import start_from_scan
@@ -28,8 +25,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import pose
 from breastrig.rig.state import BodyState
-from breastrig.scan.clean import Surface, compact
-from breastrig.scan.orient import Frame
+from breastrig.scan.clean import compact
 from breastrig_studies.virtual.warped.body import warped_body
 from breastrig_studies.virtual.warped.numbers import Numbers
 from breastrig_studies.virtual.warped.sources import read_sources
@@ -37,7 +33,6 @@ from breastrig_studies.virtual.warped.sources import read_sources
 FRONT = np.array([[0.0, 0.0, 1.0]])
 HANGING = replace(Numbers(), nipples_over_folds=(-0.04, -0.04))
 NIPPLES = ("nipple_L", "nipple_R")
-STANCES = ("standing", "supine")
 
 
 @cache
@@ -162,15 +157,3 @@ def test_how_skin_faces_is_not_asked_of_breasts_that_hang(rig: Rig) -> None:
     asked = fit_signals(rig, rest, compared, None)
     assert (stiff.hanging, asked.hanging) == (2.0, 0.0)
     assert stiff.angle_p90 < 0.5 * asked.angle_p90
-
-
-@pytest.mark.slow
-def test_an_orientation_tells_of_breasts_that_were_seen_to_hang(rig: Rig) -> None:
-    target = woman(HANGING)[0]
-    frame = Frame(np.eye(3)[1], np.eye(3)[2], 1.0, "", "standing", "", FRONT)
-    scan = PreparedScan(Surface(target.vertices, target.faces, ()), target, 0, frame)
-    found, _, iterates = scan_orientation(rig, scan, load_recipe("default"))
-    assert iterates
-    assert found.hanging == iterates[-1].hanging == ("ptosis_L", "ptosis_R")
-    again = orientation_from(json.loads(json.dumps(found.facts())), rig)
-    assert again.hanging == found.hanging

@@ -8,7 +8,6 @@ import nibabel
 import numpy as np
 from helpers.label_maps import front_labels, in_lps
 
-from breastrig.core.clock import Clock
 from breastrig.fitting.prepare_scan import prepared_scan
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import best_start, contradicted, sides_exchanged
@@ -23,11 +22,7 @@ from breastrig.scan.piece import BallInside
 from breastrig.scan.read import read_scan
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, write_stored
-from breastrig.use.fit import fit_steps
 from breastrig.use.landmarks import propose_on_scan
-from breastrig.use.steps.outcome import FitOutcome
-from breastrig.use.steps.prepare import fit_plan, prepare_fit
-from breastrig.use.steps.settings import FitSettings
 
 RIG = read_rig(default_rig_path())
 LESION = np.array([0.08, 0.24, 0.1])  # m, inside the left breast of the template
@@ -127,18 +122,3 @@ def test_a_lesion_outside_or_far_away_is_a_reason_and_leaves_no_radius() -> None
     assert ["Lesion 2" in str(reasons[0]), "outside the fitted skin" in str(reasons[0])] == [True, True]
     assert ["Lesion 3" in str(reasons[1]), "far from the breasts" in str(reasons[1])] == [True, True]
     assert not of_lesions(RIG, RIG.template, [far])[1]
-
-
-def test_a_fit_with_a_lesion_outside_says_so_and_knows_no_place(tmp_path: Path) -> None:
-    data = map_of_front(np.eye(3), around_mm=(90.0, 150.0))
-    scan = read_scan(data)
-    picks = {name: (1e3 * place).tolist() for name, place in in_m(np.eye(3)).items() if "acromion" not in name}
-    plan = fit_plan(FitSettings(stance="standing"), RIG, picks)
-    assert len(scan.lesions) == 1
-    ball = replace(scan.lesions[0], center=scan.lesions[0].center - np.array([0.0, 0.3, 0.0]))
-    clock = Clock()
-    *_, outcome = fit_steps(prepare_fit(plan, replace(scan, lesions=(ball,)), clock), clock)
-    assert isinstance(outcome, FitOutcome)
-    assert "outside the fitted skin" in " ".join(outcome.verdict.reasons)
-    assert outcome.verdict.level == "unusable"
-    assert outcome.radii.lines > 0.05

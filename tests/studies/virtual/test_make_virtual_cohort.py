@@ -26,7 +26,6 @@ from breastrig_studies.virtual.scan import Circumstances, SimulatedScan, scan_sk
 pytestmark = pytest.mark.long
 
 PATIENT = "patient_5"  # the asymmetric one
-FILES = ("scan.ply", "truth.ply", "landmarks.json", "case.json")
 
 
 @pytest.fixture(scope="module")
@@ -41,10 +40,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         patch.setattr(make, "scan_body", half_coarse)
         make_cohort(made, lambda _: None, [PATIENT])
     return made
-
-
-def coarse(bodies: Bodies, body: VirtualBody, random: np.random.Generator) -> SimulatedScan:
-    return scan_skin(body, bodies.faces, bodies.scanned, random, Circumstances(voxel=0.015, every=8))
 
 
 @pytest.fixture(scope="module", params=["standing", "supine"])
@@ -106,26 +101,6 @@ def test_the_case_says_where_the_body_is(case: Case) -> None:
     turn = placed[:3, :3] * 1e3 * METRES_PER_UNIT[case.unit]
     np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-9)
     assert np.linalg.det(turn) > 0.0  # never mirrored
-
-
-def test_the_same_bytes_again_over_a_patient_of_other_bodies_and_then_she_stays(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(make, "scan_body", coarse)
-    first, again = tmp_path / "first", tmp_path / "again"
-    said: list[str] = []
-    make_cohort(first, said.append, [PATIENT])
-    assert len(said) == 2
-    about = json.loads((first / PATIENT / "patient.json").read_text("utf-8"))
-    about["made_by"]["bodies_sha256"] = "0" * 64
-    (again / PATIENT).mkdir(parents=True)
-    (again / PATIENT / "patient.json").write_text(json.dumps(about))
-    make_cohort(again, said.append, [PATIENT])
-    assert len(said) == 4
-    for name in ("patient.json", *(f"{stance}/{file}" for stance in ("standing", "supine") for file in FILES)):
-        assert (again / PATIENT / name).read_bytes() == (first / PATIENT / name).read_bytes()
-    make_cohort(again, said.append, [PATIENT])
-    assert len(said) == 4
 
 
 def test_she_is_fitted_well(case: Case) -> None:

@@ -27,7 +27,7 @@ FILES = ("scan.ply", "truth.ply", "landmarks.json", "case.json")
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few views and large voxels: the files are looked at here, not the scan."""
-    monkeypatch.setattr(captures_module, "EVERY", 12)
+    monkeypatch.setattr(captures_module, "EVERY", 16)
     monkeypatch.setattr(captures_module, "VOXEL", 0.015)
     monkeypatch.setattr(captures_module, "POOR_VOXEL", 0.018)
 
