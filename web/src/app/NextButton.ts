@@ -1,6 +1,8 @@
 // The one primary button: it says what to do next, and does it.
 import { checks as checkText } from "../checks/text";
 import { fit as fitText, result as resultText } from "../fit/text";
+import { marks as marksText } from "../landmarks/marks/text";
+import { isMark, markCalled } from "../landmarks/picks";
 import { pickCount } from "../landmarks/state";
 import { landmarks as landmarkText, proposals as proposalText } from "../landmarks/text";
 import { measuredFits } from "../stances/state";
@@ -15,7 +17,7 @@ import * as text from "./text";
 function wording(next: NextStep, state: NextShown): string {
   if (next.kind === "place") {
     const entry = state.meta?.landmarks.find((each) => each.name === next.landmark);
-    const label = entry ? landmarkText.spoken(entry) : next.landmark;
+    const label = entry ? landmarkText.spoken(entry) : isMark(next.landmark) ? marksText.spoken(markCalled(next.landmark)) : next.landmark;
     return next.isArmed ? text.next.armed(label) : text.next.start(label);
   }
   if (next.kind === "check") return `${checkText.begin(next.count, next.on ?? "")}\u2002${checkText.lasts(next.count)}`;

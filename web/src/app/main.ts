@@ -4,6 +4,7 @@ import { client, onSignedOut } from "../api/client";
 import { mayShowInk } from "../ink/state";
 import { followModels } from "../stances/followModels";
 import { createOutbox } from "../store/outbox";
+import { followMarks } from "../stances/marksBeside";
 import type { Place } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import { createStore, only } from "../store/store";
@@ -85,6 +86,7 @@ async function begin(): Promise<void> {
     return;
   }
   followModels(store, client);
+  followMarks(store);
   // Whenever no patient is on the page, the list of all is, as the service has it now.
   store.select(only("scan"), ({ scan }) => {
     if (scan === null) queueMicrotask(() => void actions.patients.read());

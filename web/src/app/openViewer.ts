@@ -47,7 +47,7 @@ import type { Session } from "./session";
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
   ...(["meta", "models", "theme", "step", "overlay", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
-  ...(["picks", "certain", "proposals", "active", "fit", "followed", "showDistances", "drawing", "drawn", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
+  ...(["picks", "certain", "proposals", "active", "beside", "fit", "followed", "showDistances", "drawing", "drawn", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
 

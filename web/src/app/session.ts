@@ -4,6 +4,7 @@ import { type ChecksSlice, initialChecks } from "../checks/state";
 import { type DrawingSlice, initialDrawing } from "../drawing/state";
 import { type FitSlice, initialFit } from "../fit/state";
 import { initialInk, type InkSlice } from "../ink/state";
+import { initialMarks, type MarksSlice } from "../landmarks/marks/marks";
 import { type LandmarksSlice, startLandmarks } from "../landmarks/state";
 import { initialScan, type ScanSlice } from "../scan/state";
 import { initialPatients, type PatientsSlice } from "../patients/state";
@@ -22,7 +23,7 @@ export interface Deletion {
   readonly beside: { readonly scan: string; readonly isSecond: boolean } | null; // the stance that stays on the page, and whether it came second
 }
 
-export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, FitSlice, DrawingSlice, StancesSlice, ChecksSlice, InkSlice, PatientsSlice, ShareSlice {
+export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, MarksSlice, FitSlice, DrawingSlice, StancesSlice, ChecksSlice, InkSlice, PatientsSlice, ShareSlice {
   readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
   readonly fitsAtOnce: boolean; // new scans are fitted by themselves
@@ -37,6 +38,7 @@ export const initialSession: Session = {
   ...initialView,
   ...initialScan,
   ...startLandmarks(),
+  ...initialMarks,
   ...initialFit,
   ...initialDrawing,
   stances: initialStances,

@@ -3,7 +3,7 @@ import { ApiError, type Client } from "../api/client";
 import { followFit, type Handlers } from "../api/events";
 import type { FitLinks, StanceChoice } from "../api/types";
 import { certainNames } from "../landmarks/certain";
-import { picksOf } from "../landmarks/picks";
+import { picksOf, placesOf } from "../landmarks/picks";
 import { openQuestions, sentenceOf } from "../landmarks/questions/questions";
 import type { LandmarksSlice } from "../landmarks/state";
 import { questions } from "../landmarks/text";
@@ -156,10 +156,9 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     const { scan, picks, certain: kept, stance, preset, refine } = store.get();
     if (!scan) return;
     const mine = ++run;
-    const landmarks = { ...picks.present };
     const certain = certainNames(picks.present, kept);
     try {
-      const { id, links, cuts } = await client.startFit({ scan: scan.info.id, stance, preset, refine, landmarks, certain });
+      const { id, links, cuts } = await client.startFit({ scan: scan.info.id, stance, preset, refine, ...placesOf(picks.present), certain });
       if (mine !== run || store.get().scan?.info.id !== scan.info.id) {
         void client.cancel(links.cancel).catch(() => undefined); // nobody waits for it any more
         return;
@@ -223,7 +222,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
         // The settings come back with the fit, so that the next one is asked for as this one was; its drawing is the plan's.
         const asked = { stance: fit.asked_stance, preset: fit.preset, refine: fit.refine };
         store.set(asked);
-        follow({ ...blankFit(fit.id, fit.links), playing: true, drawingName: fit.drawing, picks: picksOf({ landmarks: fit.landmarks, unit: "mm" }), certain: fit.certain, asked, cuts: fit.cuts });
+        follow({ ...blankFit(fit.id, fit.links), playing: true, drawingName: fit.drawing, picks: picksOf({ landmarks: fit.landmarks, marks: fit.marks, unit: "mm" }), certain: fit.certain, asked, cuts: fit.cuts });
         stepAfter = fit.state === "done" ? step : null;
       } catch (error) {
         store.set((state) => withProblem(state, "fit", messageOf(error)));

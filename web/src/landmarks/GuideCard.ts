@@ -5,13 +5,15 @@ import { button } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { LandmarkActions } from "./actions";
-import { plainLabel, sideOf } from "./picks";
+import type { MarksSlice } from "./marks/marks";
+import { marks } from "./marks/text";
+import { isMark, markCalled, plainLabel, sideOf } from "./picks";
 import { isFelt, onlyAgreed } from "./proposals/agreed";
 import { errorOf, openProposals } from "./proposals/proposals";
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & LandmarksSlice, "meta" | "active" | "picks" | "certain" | "proposals">;
+type Shown = Pick<PageSlice & LandmarksSlice & MarksSlice, "meta" | "active" | "picks" | "certain" | "proposals" | "beside">;
 
 export interface GuideCard extends Panel<Shown> {
   readonly canvas: HTMLCanvasElement;
@@ -29,11 +31,12 @@ export function createGuideCard(actions: LandmarkActions): GuideCard {
   const take = button(text.proposals.take, () => actions.confirmWanted(), "outlined take", "check");
   const closely = el("p", { class: "muted small" });
   const stop = button(text.landmarks.stop, () => actions.want(null));
+  const picture = el("div", { class: "picture" }, canvas, light);
   const element = el(
     "section",
     { class: "guide", hidden: true, "aria-live": "polite" },
     el("h2", {}, text.landmarks.guideTitle),
-    el("div", { class: "picture" }, canvas, light),
+    picture,
     el("div", { class: "guide-words" }, el("div", { class: "guide-head" }, name, side), latin, definition),
     closely,
     take,
@@ -44,10 +47,18 @@ export function createGuideCard(actions: LandmarkActions): GuideCard {
     element,
     canvas,
     light,
-    select: only("meta", "active", "picks", "certain", "proposals"),
+    select: only("meta", "active", "picks", "certain", "proposals", "beside"),
     update(state: Shown): void {
       const wanted = state.meta?.landmarks.find((entry) => entry.name === state.active);
-      show(element, wanted !== undefined);
+      const mark = state.active !== null && isMark(state.active) ? state.active : null;
+      show(element, wanted !== undefined || mark !== null);
+      for (const each of [picture, side, latin, skip]) show(each, mark === null);
+      if (mark !== null) {
+        setText(name, markCalled(mark));
+        setText(definition, !(mark in state.beside) ? marks.how : state.beside[mark] ? marks.pair : marks.pairUnknown);
+        for (const each of [take, closely]) show(each, false);
+        return;
+      }
       if (!wanted) return;
       setText(name, plainLabel(wanted.label));
       const where = sideOf(wanted.name);

@@ -9,6 +9,8 @@ import { createMenu, menuItem } from "../ui/menu";
 import type { Panel } from "../ui/Panel";
 import type { LandmarkActions } from "./actions";
 import { isCertain } from "./certain";
+import { createMarkList } from "./marks/MarkList";
+import type { MarksSlice } from "./marks/marks";
 import { LANDMARK_ENDINGS, partnerOf, plainLabel, sideOf } from "./picks";
 import { onlyAgreed } from "./proposals/agreed";
 import { errorOf, isLikely, isSeen, type OpenProposal, openProposals } from "./proposals/proposals";
@@ -18,7 +20,7 @@ import { type Asked, askedNames, openQuestions, type Question } from "./question
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & ScanSlice & LandmarksSlice, "meta" | "problems" | "scan" | "picks" | "certain" | "proposals" | "skipped" | "active" | "saving"> & Pick<Asked, "fit">;
+type Shown = Pick<PageSlice & ScanSlice & LandmarksSlice & MarksSlice, "meta" | "problems" | "scan" | "picks" | "certain" | "proposals" | "skipped" | "active" | "saving" | "beside"> & Pick<Asked, "fit">;
 
 export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSearch, dismiss: () => void): Panel<Shown> {
   const rows = el("ol", { class: "landmarks" });
@@ -39,6 +41,7 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
   const exchangeAll = iconButton("exchange", text.landmarks.exchangeAll, () => actions.exchange(paired(state)));
   const ofAll = createQuestionBox("div", actions, () => file.focus());
   const proposals = makeProposals(actions, search);
+  const marks = createMarkList(actions);
   const element = el(
     "div",
     { class: "panel" },
@@ -47,12 +50,13 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
     proposals.element,
     ofAll.element,
     rows,
+    marks.element,
     example,
   );
   const made = new Map<string, ReturnType<typeof makeRow>>();
   return {
     element,
-    select: only("meta", "problems", "scan", "picks", "certain", "proposals", "skipped", "active", "saving", "fit"),
+    select: only("meta", "problems", "scan", "picks", "certain", "proposals", "skipped", "active", "saving", "beside", "fit"),
     update(session: Shown): void {
       state = session;
       const list = session.meta?.landmarks ?? [];
@@ -69,6 +73,7 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
       for (const [name, each] of made) each.question.update(placed.get(name) ?? null, list);
       ofAll.update(questions.find(({ exchange }) => exchange === "all") ?? null, list);
       proposals.update(session, [...open.values()]);
+      marks.update(session);
       const isEmpty = Object.keys(session.picks.present).length === 0;
       save.open.disabled = isEmpty;
       exchangeAll.disabled = paired(session).length === 0;

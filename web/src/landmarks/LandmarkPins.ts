@@ -4,7 +4,8 @@ import type { PageSlice } from "../store/page";
 import { el } from "../ui/dom";
 import { Pins } from "../viewer/Pins";
 import type { ViewSlice } from "../viewer/state";
-import { sideOf } from "./picks";
+import { marks } from "./marks/text";
+import { isMark, sideOf } from "./picks";
 import { onlyAgreed } from "./proposals/agreed";
 import { type Asked, askedNames, openQuestions } from "./questions/questions";
 import type { LandmarksSlice } from "./state";
@@ -13,6 +14,7 @@ type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "
 
 /** With the number that the landmark has in the list. */
 export function numberedMark({ meta }: Pick<PageSlice, "meta">, name: string): HTMLElement {
+  if (isMark(name)) return el("span", { class: "mark is-mark" }, el("span", {}, marks.sign));
   const number = 1 + (meta?.landmarks.findIndex((entry) => entry.name === name) ?? -1);
   return el("span", { class: `mark side-${sideOf(name)}` }, el("span", {}, String(number)));
 }

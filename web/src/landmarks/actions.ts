@@ -11,7 +11,9 @@ import { saveBlob } from "../ui/dom";
 import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
 import { createPicksKeeper, fileOf, type Known } from "./keeper";
-import { exchanged, nextMissing, type Picks, picksOf, withoutPick, withPick } from "./picks";
+import { freeMark, listedMarks, type MarksSlice, nextBeside } from "./marks/marks";
+import { marks as marksText } from "./marks/text";
+import { exchanged, isMark, markCalled, markKey, nextMissing, type Picks, picksOf, placesOf, renamed, withoutPick, withPick } from "./picks";
 import { isFelt, onlyAgreed } from "./proposals/agreed";
 import { openProposals } from "./proposals/proposals";
 import type { LandmarksSlice } from "./state";
@@ -19,7 +21,7 @@ import { straightened } from "./straighten";
 import * as text from "./text";
 import { certainWith, type KeptPicks, together, withTheirs } from "./together";
 
-type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice;
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & MarksSlice;
 
 const PAUSE_MS = 400; // a run of quick clicks is one save
 
@@ -54,6 +56,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
 
   const list = () => store.get().meta?.landmarks ?? [];
   function labelOf(name: string | null): string | null {
+    if (name !== null && isMark(name)) return marksText.spoken(markCalled(name));
     const entry = list().find((each) => each.name === name);
     return entry ? text.landmarks.spoken(entry) : name;
   }
@@ -194,6 +197,11 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     noticeMoves(before);
   }
 
+  const importedSaid = (picks: Picks): string => {
+    const { landmarks, marks } = placesOf(picks);
+    return text.landmarks.announceImported(Object.keys(landmarks).length, Object.keys(marks).length);
+  };
+
   const spokenOf = (names: readonly string[]): string => names.map((name) => labelOf(name) ?? name).join(", ");
 
   /** An answer to a question: one step of the history, and at once the fit that belongs to it. */
@@ -224,6 +232,11 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       const name = state.active;
       if (name === null) return;
       const picks = withPick(state.picks.present, name, point);
+      if (isMark(name)) {
+        const next = name in state.beside && !(name in state.picks.present) ? nextBeside(state.beside, picks, name) : null;
+        change(picks, { active: next, announcement: marksText.announcePlaced(markCalled(name), next && markCalled(next)) });
+        return;
+      }
       const skipped = new Set([...state.skipped].filter((other) => other !== name));
       const active = nextMissing(list(), picks, skipped, name);
       change(picks, {
@@ -241,6 +254,23 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     want(name: string | null): void {
       store.set({ active: name, ...(name === null ? {} : { step: "points" as const }) });
       if (name !== null) followed.begun();
+    },
+
+    /** A mark of the skin under a name that neither scan has. */
+    addMark(): void {
+      const { picks, beside } = store.get();
+      this.want(freeMark(listedMarks(picks.present, beside)));
+    },
+
+    /** False where it cannot be called so; the page says why. */
+    renameMark(name: string, called: string): boolean {
+      const { picks } = store.get();
+      if (markKey(called) === name) return true;
+      const isLandmark = list().some((entry) => entry.name === called);
+      const why = called === "" ? marksText.isEmpty : isLandmark ? marksText.isLandmark(called) : markKey(called) in picks.present ? marksText.isTaken(called) : null;
+      store.set((state) => withProblem(state, "landmarks", why));
+      if (why === null) change(renamed(picks.present, name, markKey(called)));
+      return why === null;
     },
 
     /** The stage says what is looked at closely. */
@@ -333,7 +363,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       const example = store.get().scan?.example;
       if (!example) return;
       const picks = picksOf(example);
-      const announcement = text.landmarks.announceImported(Object.keys(picks).length);
+      const announcement = importedSaid(picks);
       change(picks, { ...straightened(store.get(), picks), active: null, step: "points", announcement });
     },
 
@@ -345,7 +375,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
         if (store.get().scan?.info.id !== scan.info.id) return;
         const picks = picksOf(read);
         const certain = { ...store.get().certain, ...certainAt(picks, read.certain ?? []) };
-        const announcement = text.landmarks.announceImported(Object.keys(picks).length);
+        const announcement = importedSaid(picks);
         store.set((state) => withProblem(state, "landmarks", null));
         const all = { ...store.get().picks.present, ...picks };
         change(all, { ...straightened(store.get(), all), certain, active: null, announcement });

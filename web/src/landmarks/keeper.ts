@@ -4,7 +4,7 @@
 import type { Client } from "../api/client";
 import { createQueues, writtenOver } from "../api/concurrentWrites";
 import type { LandmarkFile, Scan } from "../api/types";
-import { picksOf } from "./picks";
+import { picksOf, placesOf } from "./picks";
 import { type KeptPicks, NO_PICKS, type Together, together } from "./together";
 
 /** Somebody else has changed picks that began as `base`: what is shown has to follow.  False where the scan is not shown. */
@@ -17,7 +17,7 @@ export interface Known extends KeptPicks {
 
 type Named = Pick<Scan, "id" | "links">;
 
-export const fileOf = ({ picks, certain }: KeptPicks): LandmarkFile => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: { ...picks }, certain: [...certain] });
+export const fileOf = ({ picks, certain }: KeptPicks): LandmarkFile => ({ schema: "breastrig/landmarks@1", unit: "mm", ...placesOf(picks), certain: [...certain] });
 
 export function createPicksKeeper(client: Pick<Client, "landmarks" | "saveLandmarks">, elsewhere: Elsewhere) {
   const known = new Map<string, Known>(); // by scan: as the page knows them

@@ -9,7 +9,23 @@ export type Side = "left" | "right" | "middle";
 /** Three points fix position, direction and size; with fewer the fit has to find its start in the scan alone. */
 export const ENOUGH = 3;
 
+// Marks of the patient's skin (moles, dots) are picks, too, under their own name behind this: no landmark's begins so.
+const MARK = "mark:";
+export const isMark = (name: string): boolean => name.startsWith(MARK);
+export const markKey = (called: string): string => MARK + called;
+export const markCalled = (name: string): string => name.slice(MARK.length);
+
+/** As files and fits have them. */
+export function placesOf(picks: Picks): Required<Pick<LandmarkFile, "landmarks" | "marks">> {
+  const entries = Object.entries(picks);
+  return {
+    landmarks: Object.fromEntries(entries.filter(([name]) => !isMark(name))),
+    marks: Object.fromEntries(entries.filter(([name]) => isMark(name)).map(([name, point]) => [markCalled(name), point])),
+  };
+}
+
 export function sideOf(name: string): Side {
+  if (isMark(name)) return "middle";
   return name.endsWith("_L") ? "left" : name.endsWith("_R") ? "right" : "middle";
 }
 
@@ -19,12 +35,15 @@ export function plainLabel(label: string): string {
   return plain === "" ? label : plain.charAt(0).toUpperCase() + plain.slice(1);
 }
 
-/** A landmark file's points in millimetres. */
-export function picksOf(file: { landmarks: LandmarkFile["landmarks"]; unit?: string }): Picks {
+/** A landmark file's points and marks in millimetres. */
+export function picksOf(file: { landmarks: LandmarkFile["landmarks"]; marks?: LandmarkFile["marks"]; unit?: string }): Picks {
   const unit = isUnit(file.unit) ? file.unit : "mm";
-  const entries = Object.entries(file.landmarks);
+  const entries = [...Object.entries(file.landmarks), ...Object.entries(file.marks ?? {}).map(([name, point]) => [markKey(name), point] as const)];
   return Object.fromEntries(entries.map(([name, point]) => [name, point.map((value) => mmFrom(value, unit)) as Vector]));
 }
+
+/** Under another name, where it stood among the others. */
+export const renamed = (picks: Picks, from: string, to: string): Picks => Object.fromEntries(Object.entries(picks).map(([name, place]) => [name === from ? to : name, place]));
 
 export const withPick = (picks: Picks, name: string, point: Vector): Picks => ({ ...picks, [name]: point });
 

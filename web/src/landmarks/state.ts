@@ -1,7 +1,7 @@
 // Landmarks on the page's scan: placed ones with their history, proposed ones, and the one that the next click places.
 import { type History, startHistory } from "../store/history";
 import { type Certain, certainAt } from "./certain";
-import type { Picks } from "./picks";
+import { isMark, type Picks } from "./picks";
 import type { Proposals } from "./proposals/proposals";
 
 export interface LandmarksSlice {
@@ -9,7 +9,7 @@ export interface LandmarksSlice {
   readonly certain: Certain;
   readonly proposals: Proposals | null; // null until somebody asked
   readonly skipped: ReadonlySet<string>;
-  readonly active: string | null; // the landmark that the next click places
+  readonly active: string | null; // the landmark or mark that the next click places
   readonly saving: "saved" | "saving" | "unsaved";
 }
 
@@ -23,4 +23,4 @@ export const startLandmarks = (picks: Picks = {}, certain: readonly string[] = [
   saving,
 });
 
-export const pickCount = (state: Pick<LandmarksSlice, "picks">): number => Object.keys(state.picks.present).length;
+export const pickCount = (state: Pick<LandmarksSlice, "picks">): number => Object.keys(state.picks.present).filter((name) => !isMark(name)).length;

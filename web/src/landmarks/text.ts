@@ -1,6 +1,7 @@
 // Landmarks and their proposals.
 import { plural } from "../ui/plural";
-import { type Picks, picksChanged, plainLabel, sideOf } from "./picks";
+import { marks } from "./marks/text";
+import { isMark, markCalled, type Picks, picksChanged, plainLabel, sideOf } from "./picks";
 
 const several = (labels: readonly string[]): string => (labels.length > 3 ? plural(labels.length, "landmark", "landmarks") : labels.join("; "));
 
@@ -52,13 +53,14 @@ export const landmarks = {
       ...(taken.length === 0 ? [] : [`Changed in another tab or by somebody else, and shown here now: ${taken.join("; ")}.`]),
       ...(overruled.length === 0 ? [] : [`Changed in another tab or by somebody else as well: ${overruled.join("; ")}. What was done here last counts.`]),
     ].join(" "),
-  announceImported: (count: number) => `${plural(count, "landmark", "landmarks")} read.`,
+  announceImported: (landmarks: number, marks: number) => `${plural(landmarks, "landmark", "landmarks")}${marks > 0 ? ` and ${plural(marks, "mark", "marks")}` : ""} read.`,
 };
 
 /** What a step of the history has changed. */
 export function picksSaid(before: Picks, after: Picks, list: readonly { readonly name: string; readonly label: string }[]): string {
   const { placed, moved, removed } = picksChanged(before, after);
   const spoken = (name: string): string => {
+    if (isMark(name)) return marks.spoken(markCalled(name));
     const entry = list.find((each) => each.name === name);
     return entry ? landmarks.spoken(entry) : name;
   };

@@ -7,6 +7,7 @@ import type { FitActions } from "../fit/actions";
 import { certainNames } from "../landmarks/certain";
 import type { FitSlice } from "../fit/state";
 import type { LandmarkActions } from "../landmarks/actions";
+import { placesOf } from "../landmarks/picks";
 import type { LandmarksSlice } from "../landmarks/state";
 import { type PlanActions, withElsewhere } from "../plan/actions";
 import type { ScanActions } from "../scan/actions";
@@ -161,7 +162,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       const { preset, refine, stances } = store.get();
       const { id } = added;
       const { picks, certain } = await others.landmarks.read(added);
-      const fit = isFitted ? (await client.startFit({ scan: id, stance: "auto", preset, refine, landmarks: picks, certain: [...certain] })).id : null;
+      const fit = isFitted ? (await client.startFit({ scan: id, stance: "auto", preset, refine, ...placesOf(picks), certain: [...certain] })).id : null;
       await readHers();
       if (stances.other) {
         lookAfter();
@@ -306,10 +307,9 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
       try {
         if (other.fit === null || other.fit.state === "failed" || other.fit.state === "cancelled") {
           const { scan, picks, certain, stance } = other;
-          const landmarks = { ...picks.present };
           const kept = certainNames(picks.present, certain);
           await others.plan.settled();
-          const { id } = await client.startFit({ scan: scan.info.id, stance, preset, refine, landmarks, certain: kept });
+          const { id } = await client.startFit({ scan: scan.info.id, stance, preset, refine, ...placesOf(picks.present), certain: kept });
           const begun = await loadFit(client, id, picks.present, kept);
           change(scan.info.id, () => ({ fit: begun }));
           lookAfter();

@@ -22,6 +22,7 @@ test("a fit is followed from start to result", async () => {
   expect(startFit).toHaveBeenCalledWith({
     scan: "s1",
     stance: "auto",
+    marks: {},
     preset: "default",
     refine: true,
     landmarks: { nipple_L: [1, 2, 3] },

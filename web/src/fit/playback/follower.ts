@@ -2,6 +2,7 @@
 // answers pose the rig.  Nothing of it stays: the fit that is asked for when the drag has ended takes its place.
 import type { Client } from "../../api/client";
 import type { Vector } from "../../api/types";
+import { placesOf } from "../../landmarks/picks";
 import type { LandmarksSlice } from "../../landmarks/state";
 import type { Store } from "../../store/store";
 import { type FitSlice, isAtRest } from "../state";
@@ -50,7 +51,7 @@ export function createFollower(store: Store<State>, client: Pick<Client, "moved"
     if (!isAsking) void ask();
   }
 
-  const present = (): Record<string, Vector> => ({ ...store.get().picks.present });
+  const present = (): Record<string, Vector> => placesOf(store.get().picks.present).landmarks;
 
   return {
     begin: () => send(present()),

@@ -11,11 +11,12 @@ import { Pins } from "../../viewer/Pins";
 import type { ViewSlice } from "../../viewer/state";
 import type { Part, Viewer } from "../../viewer/Viewer";
 import { numberedMark } from "../LandmarkPins";
+import type { MarksSlice } from "../marks/marks";
 import { isLookedAt } from "./agreed";
 import { isLikely, openProposals } from "./proposals";
 import type { LandmarksSlice } from "../state";
 
-type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice, "meta" | "step" | "overlay" | "scan" | "picks" | "proposals" | "active">;
+type Shown = Pick<PageSlice & ViewSlice & ScanSlice & LandmarksSlice & MarksSlice, "meta" | "step" | "overlay" | "scan" | "picks" | "proposals" | "active" | "beside">;
 
 export class ProposalPins extends Pins<string> implements Part<Shown> {
   private drawn: readonly unknown[] = [];
@@ -34,12 +35,15 @@ export class ProposalPins extends Pins<string> implements Part<Shown> {
   }
 
   update(state: Shown): void {
-    const now = [state.proposals, state.picks.present];
+    const { active } = state;
+    const mark = active === null || active in state.picks.present ? null : (state.beside[active] ?? null); // wanted: until then it would only lead the hand
+    const now = [state.proposals, state.picks.present, active, mark];
     if (now.some((each, i) => each !== this.drawn[i])) {
       this.drawn = now;
       const open = new Map(openProposals(state.proposals, state.picks.present).map((proposal) => [proposal.name, proposal]));
       this.set([], () => el("div", {})); // a new proposal of the same name may look otherwise
-      this.set([...open].map(([name, { point }]) => [name, point]), (name) => el("div", { class: `pin is-proposed${isLikely(open.get(name)!) ? "" : " is-rough"}`, "data-proposed": name }, numberedMark(state, name)));
+      const places = [...open].map(([name, { point }]) => [name, point] as const);
+      this.set(mark === null ? places : [...places, [active!, mark]], (name) => el("div", { class: `pin is-proposed${open.has(name) && !isLikely(open.get(name)!) ? " is-rough" : ""}`, "data-proposed": name }, numberedMark(state, name)));
     }
     this.show(state.scan !== null && state.step === "points" && state.overlay !== "model");
     this.toggle("is-active", (name) => name === state.active);

@@ -7,19 +7,20 @@ import { metresFromMm, mmFrom } from "../../ui/units";
 import type { Surface } from "../../viewer/picking";
 import type { Viewer } from "../../viewer/Viewer";
 import type { Judgement } from "./questions";
+import type { MarksSlice } from "../marks/marks";
 import type { LandmarksSlice } from "../state";
 
 type Fitted = (Judgement & { readonly result: { readonly landmarks?: Readonly<Record<string, Vector>>; readonly scan?: { readonly unit: string } } | null }) | null;
 
-type Shown = Pick<LandmarksSlice, "active" | "picks" | "proposals"> & { readonly fit: Fitted };
+type Shown = Pick<LandmarksSlice & MarksSlice, "active" | "picks" | "proposals" | "beside"> & { readonly fit: Fitted };
 
 /** Millimetres, scan's axes. */
-export function expectedAt({ active, picks, proposals, fit }: Shown): Vector | null {
+export function expectedAt({ active, picks, proposals, beside, fit }: Shown): Vector | null {
   if (active === null) return null;
   const { landmarks, scan } = fit?.result ?? {};
   const fitted = landmarks?.[active]?.map((value) => mmFrom(value, (scan?.unit ?? "mm") as Unit)) as Vector | undefined;
   const proposed = proposals?.state === "found" ? proposals.landmarks[active]?.point : undefined;
-  return picks.present[active] ?? fitted ?? proposed ?? null;
+  return picks.present[active] ?? fitted ?? proposed ?? beside[active] ?? null;
 }
 
 export function followWanted(viewer: Viewer, scan: Surface, store: Pick<Store<Shown>, "get" | "select">): void {

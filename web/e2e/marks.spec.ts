@@ -1,0 +1,54 @@
+// Marks of the skin: placed and named on one scan, looked for on the other one where its fit expects them, kept with both.
+import { expect } from "@playwright/test";
+import type { LandmarkFile } from "../src/api/types";
+import { distance, fittedExample, hook, test, thumb, untilFitted, untilStill } from "./page";
+
+test("a mark is placed and named on one scan and found again on the other", async ({ page, base, troubles }) => {
+  const [standing, supine] = await fittedExample(page, base, { stances: ["standing", "supine"], step: "points" });
+  const marks = async (made: typeof standing): Promise<LandmarkFile["marks"]> => ((await (await page.request.get(base + made!.scan.links.landmarks!)).json()) as LandmarkFile).marks;
+  const list = page.getByRole("region", { name: "Marks on the skin" });
+  const guide = page.locator(".guide");
+
+  await list.getByRole("button", { name: "Add a mark" }).click();
+  await expect(guide).toContainText("mark 1");
+  await expect(guide.locator("canvas"), "no picture of the model shows it").toBeHidden();
+  await untilStill(page);
+  const notch = await hook.project(page, (await hook.pick(page, "mid_sternum"))!);
+  await page.mouse.click(notch!.x, notch!.y + 40);
+  await expect(guide).toBeHidden();
+  const field = list.getByLabel("Name of the mark mark 1");
+  await field.fill("umbilicus");
+  await field.press("Enter");
+  await expect(page.getByText("is a landmark's name")).toBeVisible();
+  await expect(field).toHaveValue("mark 1");
+  await field.fill("mole");
+  await field.press("Enter");
+  await expect(list.locator("[data-mark=mole]")).toHaveClass(/is-placed/);
+  await expect.poll(async () => Object.keys((await marks(standing)) ?? {})).toEqual(["mole"]);
+  await page.locator("#next").click(); // the fit knows nothing of it yet
+  await untilFitted(page);
+  expect(Object.keys((await page.evaluate(() => window.__breastrig!.state().fit!.result!.marks)) ?? {})).toEqual(["mole"]);
+
+  await thumb(page, "supine").click();
+  await thumb(page, "supine").click(); // shown, then worked on
+  await page.keyboard.press("2");
+  const row = list.locator("[data-mark=mole]");
+  await expect(row).not.toHaveClass(/is-placed/);
+  await expect(row.locator(".mark-name"), "it is one name").not.toBeEditable();
+  await row.getByRole("button", { name: /mole/ }).first().click();
+  await expect(guide).toContainText("The dashed sign is where it is expected");
+  await untilStill(page);
+  const expected = (await page.evaluate(() => window.__breastrig!.state().beside["mark:mole"]!))!;
+  await expect(page.locator(".pin.is-proposed[data-proposed='mark:mole'] .mark")).toBeVisible();
+  const at = (await hook.project(page, expected))!;
+  await page.mouse.click(at.x + 3, at.y);
+  await expect(row).toHaveClass(/is-placed/);
+  expect(distance((await hook.pick(page, "mark:mole"))!, expected), "mm").toBeLessThan(20);
+  await expect.poll(async () => Object.keys((await marks(supine)) ?? {})).toEqual(["mole"]);
+  expect(Object.keys((await marks(standing)) ?? {})).toEqual(["mole"]);
+
+  await page.keyboard.press("Control+z");
+  await expect(row).not.toHaveClass(/is-placed/);
+  await expect.poll(() => marks(supine)).toBeUndefined();
+  expect(troubles).toEqual([]);
+});

@@ -1,0 +1,20 @@
+// Marks of the patient's skin.
+export const marks = {
+  title: "Marks on the skin",
+  hint: "Moles, or dots drawn before the scans. A mark of one name on both scans makes what is carried between them surer around it.",
+  add: "Add a mark",
+  sign: "\u00d7",
+  spoken: (called: string) => `mark \u201c${called}\u201d`,
+  nameOf: (called: string) => `Name of the mark ${called}`,
+  remove: (called: string) => `Remove the mark ${called}`,
+  again: "Place it again",
+  missing: "on the other scan, not placed here",
+  placed: (isPaired: boolean) => (isPaired ? "placed, on both scans" : "placed, on this scan alone"),
+  how: "Click where this mark is on the skin.",
+  pair: "Click the same mark on this scan. The dashed sign is where it is expected, which may be some millimetres off: look for the mark itself.",
+  pairUnknown: "Click the same mark on this scan.",
+  announcePlaced: (called: string, next: string | null) => `Placed: mark ${called}.${next === null ? "" : ` Next: mark ${next}.`}`,
+  isLandmark: (called: string) => `\u201c${called}\u201d is a landmark's name: place it above, or give the mark another name.`,
+  isTaken: (called: string) => `There is a mark called \u201c${called}\u201d on this scan.`,
+  isEmpty: "A mark needs a name.",
+};
