@@ -1,26 +1,18 @@
 // Who may see what, in a real browser: its cookies, origins and policies are not those of a test client.
-import { expect, test } from "@playwright/test";
+import { expect, type Page, test } from "@playwright/test";
 import { seriousFindings, smallTargets } from "./audit";
 import { example, hook, look, more, openShare, until, untilFitted } from "./page";
-import { type Running, startService } from "./service";
+import { Owner } from "./shared";
 
-const TOKEN = "a-token-of-more-than-sixteen-characters";
-let service: Running;
+const owner = new Owner();
 
-test.beforeAll(async () => {
-  service = await startService({ BREASTRIG_TOKEN: TOKEN });
-});
-test.afterAll(() => service.stop());
-
-async function ask<Body>(path: string, method = "GET", body?: object): Promise<Body> {
-  const headers = { Authorization: `Bearer ${TOKEN}`, "Content-Type": "application/json" };
-  const answer = await fetch(service.base + path, { method, headers, ...(body ? { body: JSON.stringify(body) } : {}) });
-  expect(answer.ok).toBe(true);
-  return (answer.status === 204 ? null : await answer.json()) as Body;
+async function signIn(page: Page): Promise<void> {
+  await page.getByLabel("Access token").fill(owner.token);
+  await page.getByRole("button", { name: "Sign in" }).click();
 }
 
 test("a person signs in with the token, and out again", async ({ page }) => {
-  await page.goto(service.base);
+  await page.goto(owner.base);
   for (const colorScheme of ["light", "dark"] as const) {
     await page.emulateMedia({ colorScheme });
     expect(await seriousFindings(page), `${colorScheme}: axe-core`).toEqual([]);
@@ -29,25 +21,19 @@ test("a person signs in with the token, and out again", async ({ page }) => {
   await page.getByLabel("Access token").fill("wrong");
   await page.getByRole("button", { name: "Sign in" }).click();
   await expect(page.getByRole("alert")).toContainText("This is not the token.");
-  await page.getByLabel("Access token").fill(TOKEN);
-  await page.getByRole("button", { name: "Sign in" }).click();
+  await signIn(page);
   await expect(page.getByRole("button", { name: "Try the example" })).toBeVisible(); // the examples came from the API
   expect(await page.evaluate(() => document.cookie)).toBe("");
-  await page.goto(`${service.base}/sign-in`);
+  await page.goto(`${owner.base}/sign-in`);
   await page.getByRole("button", { name: "Sign out" }).click();
-  await page.goto(service.base);
+  await page.goto(owner.base);
   await expect(page.getByLabel("Access token")).toBeVisible();
 });
 
 test("a visitor opens a shared result with its passcode, sees nothing else, and is out when it is revoked", async ({ page }) => {
-  interface Links {
-    links: Record<string, string>;
-  }
-  const scan = await ask<Links & { id: string }>("/api/examples/standing", "POST");
-  const fit = await ask<Links>("/api/fits", "POST", { scan: scan.id });
-  await expect.poll(async () => (await ask<{ state: string }>(fit.links.self!)).state).toBe("done");
-  const share = await ask<Links & { id: string; url: string }>(fit.links.shares!, "POST", { passcode: "4711 please" });
-  await page.goto(service.base + share.url);
+  const { scan, fit } = await owner.fitted("standing");
+  const share = await owner.share(fit, { passcode: "4711 please" });
+  await page.goto(owner.base + share.url);
   await page.getByLabel("Passcode").fill("4711");
   await page.getByRole("button", { name: "Open" }).click();
   await expect(page.getByRole("alert")).toContainText("not the link's passcode");
@@ -61,15 +47,14 @@ test("a visitor opens a shared result with its passcode, sees nothing else, and 
   const status = (path: string): Promise<number> => page.evaluate(async (address) => (await fetch(address)).status, path);
   expect(await status(`/api/shared/${share.id}/result.json`)).toBe(200);
   expect(await status(`/api/shared/${share.id}/mesh.glb`)).toBe(403);
-  for (const path of [scan.links.self!, scan.links.mesh!, fit.links.self!, fit.links.result!]) expect(await status(path)).toBe(401);
-  await ask(share.links.self!, "DELETE");
+  for (const path of [scan.self!, scan.mesh!, fit.self!, fit.result!]) expect(await status(path)).toBe(401);
+  await owner.ask(share.links.self, "DELETE");
   expect(await status(`/api/shared/${share.id}/result.json`)).toBe(410);
 });
 
 test("a link is made in the dialog, opened, counted and revoked; the page signs out", async ({ page, browser }) => {
-  await page.goto(service.base);
-  await page.getByLabel("Access token").fill(TOKEN);
-  await page.getByRole("button", { name: "Sign in" }).click();
+  await page.goto(owner.base);
+  await signIn(page);
   await example(page);
   await hook.ready(page);
   await untilFitted(page);
@@ -114,22 +99,25 @@ test("a link is made in the dialog, opened, counted and revoked; the page signs 
   await visitor.context().close();
 
   await page.keyboard.press("Escape");
+  await page.evaluate(() => {
+    for (const storage of [sessionStorage, localStorage]) storage.setItem("left", "something");
+  });
   await more(page, "Sign out");
   await expect(page.getByLabel("Access token")).toBeVisible();
+  expect(await page.evaluate(() => [sessionStorage.getItem("left"), localStorage.getItem("left")]), "nothing of patients stays").toEqual([null, null]);
+  expect((await page.context().cookies()).map(({ name }) => name)).toEqual([]);
 });
 
 test("when the session has ended the sign-in page comes, and afterwards scan and unsaved landmarks are there again", async ({ page, context }) => {
-  await page.goto(service.base);
-  await page.getByLabel("Access token").fill(TOKEN);
-  await page.getByRole("button", { name: "Sign in" }).click();
+  await page.goto(owner.base);
+  await signIn(page);
   await example(page);
   await hook.ready(page);
   await page.keyboard.press("2");
   await expect(page.locator("[data-proposed]").first()).toBeAttached();
   await context.clearCookies();
   await page.getByRole("button", { name: /^Confirm the proposed nipple, patient's left/ }).click();
-  await page.getByLabel("Access token").fill(TOKEN);
-  await page.getByRole("button", { name: "Sign in" }).click();
+  await signIn(page);
   await hook.ready(page);
   await expect.poll(() => hook.pickCount(page)).toBe(1);
   await expect(page.locator(".top-bar .saved")).toHaveText("Saved");

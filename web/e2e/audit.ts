@@ -1,8 +1,9 @@
 // Checks that any state of the page must pass: axe-core, the size of what can be pressed, nothing beside the screen.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import type { Page } from "@playwright/test";
+import { expect, type Page } from "@playwright/test";
 import type { AxeResults, RunOptions } from "axe-core";
+import { untilStill } from "./page";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const TARGET_PX = 24; // WCAG 2.2, 2.5.8
@@ -107,4 +108,22 @@ export function overlaps(page: Page): Promise<string[]> {
     );
     return [...outside, ...pairs];
   });
+}
+
+const DESK = { width: 1280, height: 720 };
+const TABLET = { width: 834, height: 1112 };
+
+/** What is on the screen can be read and pressed by everybody: light and dark, on a desk and on a tablet. */
+export async function expectForEverybody(page: Page, name: string): Promise<void> {
+  await page.emulateMedia({ colorScheme: "light", reducedMotion: "reduce" }); // nothing is looked at on its way
+  expect.soft(await seriousFindings(page), `${name}: axe-core`).toEqual([]);
+  for (const [device, viewport] of [["tablet", TABLET], ["desk", DESK]] as const) {
+    await page.setViewportSize(viewport);
+    await untilStill(page); // handles follow the picture
+    expect.soft(await smallTargets(page), `${name}, ${device}: smaller than 24 pixels`).toEqual([]);
+    expect.soft(await overlaps(page), `${name}, ${device}: controls over one another`).toEqual([]);
+  }
+  await page.emulateMedia({ colorScheme: "dark" });
+  expect.soft(await seriousFindings(page, { runOnly: ["color-contrast"] }), `${name}: contrast in the dark`).toEqual([]);
+  await page.emulateMedia({ colorScheme: null, reducedMotion: null });
 }

@@ -7,8 +7,9 @@ import { expect, type Page } from "@playwright/test";
 import type { CarriedDrawing, MeasuresFile, PlanOnScan, Vector } from "../src/api/types";
 import { measuresTable, saidOf } from "../src/stances/measures/measuresTable";
 
+import { expectForEverybody } from "./audit";
 import { addToPlan, details, distance, example, hook, look, more, numberField, openShare, planItem, test, thumb, untilFitted, untilStill } from "./page";
-import { type Running, startService } from "./service";
+import { Owner } from "./shared";
 
 const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
 const other = (page: Page) => page.evaluate(() => window.__breastrig!.other());
@@ -18,18 +19,14 @@ const gaze = ({ eye, target }: { eye: Vector; target: Vector }): Vector => unit(
 const away = ({ eye, target }: { eye: Vector; target: Vector }): number => Math.hypot(eye[0] - target[0], eye[1] - target[1], eye[2] - target[2]);
 const degrees = (a: Vector, b: Vector): number => (Math.acos(Math.min(1, a[0] * b[0] + a[1] * b[1] + a[2] * b[2])) * 180) / Math.PI;
 
-let service: Running;
+const owner = new Owner();
 test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
-test.use({ base: async ({}, use) => use(service.base) });
-test.beforeAll(async () => {
-  service = await startService({}, []); // with the token that it makes itself
-});
-test.afterAll(() => service.stop());
+test.use({ base: async ({}, use) => use(owner.base) });
 
-/** Files of a patient in the data folder: all but its index, marker and models. */
-function patientFiles(folder: string): string[] {
-  const all = readdirSync(folder, { recursive: true }).map(String);
-  return all.filter((name) => /^(cases|incoming|rubbish)[/]/.test(name) && statSync(join(folder, name)).isFile());
+/** Files of a patient in the data folder. */
+function patientFiles(patient: string): string[] {
+  const all = readdirSync(owner.data, { recursive: true }).map(String);
+  return all.filter((name) => name.includes(patient) && statSync(join(owner.data, name)).isFile());
 }
 
 async function fitWithExample(page: Page): Promise<void> {
@@ -75,7 +72,7 @@ async function drag(page: Page, selector: string, dx: number): Promise<void> {
 test("both stances, draw, carry, reload, report, share, delete", async ({ page, base, troubles, browser }, info) => {
   test.slow(); // a whole day
   expect((await page.request.get(`${base}/api/patients`)).status(), "another user of this machine").toBe(401);
-  await page.setContent(`<meta http-equiv="refresh" content="0; url=${service.address}">`); // as the file that `serve` opens
+  await page.setContent(`<meta http-equiv="refresh" content="0; url=${owner.address}">`); // as the file that `serve` opens
   await page.waitForURL(`${base}/`);
   await example(page);
   await hook.ready(page);
@@ -93,9 +90,21 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     for (let i = 1; i <= 20; i += 1) await page.mouse.move(x + 3 * i, y - 14 * Math.sin(i / 6));
     await page.mouse.up();
     expect((await state(page)).drawn.lines.present).toHaveLength(1);
+    for (const [dx, dy] of [[0, 60], [30, 40], [60, 60]] as const) await page.mouse.click(x + dx, y + dy);
+    await expect(page.getByRole("button", { name: "End the line" })).toBeVisible();
+    await expectForEverybody(page, "pen");
+    await page.keyboard.press("e");
+    await page.getByRole("button", { name: "Next point" }).click();
+    await expect(page.getByRole("button", { name: "Delete point" })).toBeEnabled();
+    await expectForEverybody(page, "points");
     await page.keyboard.press("Escape");
+    await page.getByRole("button", { name: /^Undo/ }).click();
+    await page.getByRole("button", { name: /^Undo “Line 2 drawn”/ }).click();
+    await page.keyboard.press("t");
+    expect((await state(page)).drawn.lines.present.map(({ name }) => name)).toEqual(["Line 1"]);
     await addToPlan(page, /Wise/);
     await addToPlan(page, /^Tumour by the clock/);
+    await expectForEverybody(page, "pattern");
     expect((await state(page)).drawing, "a tumour that nobody has said").toBe("reduction");
     await expect(details(page).getByText("Nothing is entered yet: say Side, Hour, From the nipple, Radius.")).toBeVisible();
     await details(page).locator("[data-parameter=side]").last().selectOption("L");
@@ -116,6 +125,8 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
 
   await test.step("the second scan comes with landmarks and a fit of its own", async () => {
     await page.locator("#add-scan").click();
+    await expect(page.getByRole("dialog")).toBeVisible();
+    await expectForEverybody(page, "second scan");
     await page.getByRole("dialog", { name: "Add a scan of this patient" }).getByRole("button", { name: /patient, supine/i }).click();
     await expect(page.getByRole("dialog")).toHaveCount(0);
     await expect(page.locator(".thumb .thumb-name")).toHaveText([/^Standing/, /^Supine/]);
@@ -133,6 +144,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await page.keyboard.press("3");
     await expect(page.getByText(/Transferred lines are (one|two|three) fingers? wide/)).toBeVisible();
     const shown = await samePlaces(page, base, standing, supine);
+    await expect(page.locator(".doubt-card"), "both are hers").toBeHidden();
     expect(shown.map(({ item, name }) => [item, name])).toEqual(expect.arrayContaining([[expect.any(String), "Line 1"], [expect.any(String), "tumour_L"], [expect.any(String), "wise_L"]]));
     expect((await state(page)).drawing, "nothing is made anew on the second body").toBe("");
     expect((await state(page)).fit!.drawingName).toBeNull();
@@ -148,6 +160,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   await test.step("side by side: both bodies are drawn, turning one turns the other, until unlinked", async () => {
     await thumb(page, "standing").click();
     await expect.poll(() => other(page)).not.toBeNull();
+    await expectForEverybody(page, "side by side");
     await untilStill(page);
     const first = (await other(page))!;
     expect(first.picture.colours).toBeGreaterThan(100);
@@ -190,6 +203,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     expect(await dialog.locator("tbody tr[data-measure]").count()).toBe(names.length);
     await dialog.locator(".measure-name").first().click();
     await expect(dialog.locator("tr.facts").first()).toContainText(file.measures[0]!.method);
+    await expectForEverybody(page, "measures");
     for (const line of measuresTable(file).lines.filter(({ cells }) => cells[0]!.left !== null).slice(0, 6)) {
       const cells = await dialog.locator(`tbody tr[data-measure="${line.measure}"][data-kind="${line.kind}"] td`).allTextContents();
       line.cells.forEach((row) => expect(cells.some((cell) => cell.endsWith(saidOf(row, "left"))), line.measure).toBe(true)); // "not known well enough" may stand before it
@@ -302,7 +316,8 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
 
   await test.step("deleting both scans leaves nothing: no fit, no link, no file", async () => {
     const scans = [(await state(page)).scan!.info.id, (await state(page)).stances.other!.scan!.info.id];
-    expect(patientFiles(service.data).length).toBeGreaterThan(10);
+    const { patient } = (await state(page)).scan!.info;
+    expect(patientFiles(patient).length).toBeGreaterThan(10);
     await page.goto("about:blank"); // a page that still reads what another program deletes would say so
     for (const scan of scans) expect((await page.request.delete(`${base}/api/scans/${scan}`)).status()).toBe(204);
     for (const path of [...scans.map((scan) => `/api/scans/${scan}`), ...[standing, supine].map((fit) => `/api/fits/${fit}`)]) {
@@ -312,7 +327,7 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     await link.colleague.reload();
     await expect(link.colleague.getByText("fitted.glb")).toBeHidden();
     await link.colleague.context().close();
-    expect(patientFiles(service.data)).toEqual([]);
+    expect(patientFiles(patient)).toEqual([]);
   });
 
   expect(troubles).toEqual([]);

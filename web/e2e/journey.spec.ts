@@ -7,6 +7,7 @@ import { drop, hook, SCAN_FILE, test, thumb, until, untilFitted } from "./page";
 
 test.use({ fitsAtOnce: true, contextOptions: { reducedMotion: "no-preference" } }); // as most people have it
 
+const EXAMPLE = join(process.env.BREASTRIG_E2E_EXAMPLES ?? "", "standing"); // which other tests fit with its landmarks as well
 const SUPINE = SCAN_FILE.replace("standing", "supine");
 
 const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
@@ -105,7 +106,7 @@ test("a scan that comes is fitted by itself and seen to settle; each word of the
 test("landmarks that are dropped with one scan are placed on it, and the fit knows them", async ({ page, base }) => {
   await page.goto(base);
   await expect(page.getByText("Drop the patient's scans anywhere on this page")).toBeVisible();
-  await drop(page, [{ name: "scan.ply", path: SCAN_FILE }, { name: "picks.json", path: join(SCAN_FILE, "../landmarks.json") }]);
+  await drop(page, [{ name: "scan.ply", path: join(EXAMPLE, "scan.ply") }, { name: "picks.json", path: join(EXAMPLE, "landmarks.json") }]);
   await hook.ready(page);
   await expect.poll(() => hook.pickCount(page)).toBe(12);
   await untilFitted(page);

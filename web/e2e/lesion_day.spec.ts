@@ -1,7 +1,7 @@
 // A lesion that an MRI shows: its label map uploaded by chooser and by drop, its side asked where the file does not say it,
-// its segments listed, and the lesion found in the same breast of a standing scan, in the plan and in the report.
+// its segments listed, and the lesion found in the same breast of a standing scan, in the plan.
 import { execFileSync } from "node:child_process";
-import { readFileSync, writeFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { PlanOnScan, Vector } from "../src/api/types";
@@ -109,7 +109,6 @@ test("an MRI stands in three slices and as a body with one cross: sides, places 
     expect(height).toBeCloseTo(0.5, 1); // still 35 mm to the front
     const before = await cross();
     const axial = page.locator(".is-axial .slice-picture");
-    await expect(axial, "a label map has no image to darken").toHaveAccessibleName(/^Axial slice\. Arrow keys .* zoom; Enter enlarges\.$/);
     await axial.focus();
     for (const key of ["ArrowRight", "ArrowRight", "Shift+ArrowUp", "PageUp"]) await page.keyboard.press(key);
     expect(await cross()).toEqual([before[0]! + 2, before[1]! - 5, before[2]! + 1]);
@@ -192,7 +191,7 @@ test("an MRI stands in three slices and as a body with one cross: sides, places 
   expect(troubles).toEqual([]);
 });
 
-test("an MRI's lesion is found in the same breast of a standing scan, with its numbers in plan and report", async ({ page, base }, info) => {
+test("an MRI's lesion is found in the same breast of a standing scan, with its numbers in the plan and behind a link", async ({ page, base }) => {
   await page.goto(base);
   await test.step("segments of a .nii.gz from the chooser", async () => {
     await page.locator("#scan-file").setInputFiles(made("mri.nii.gz"));
@@ -266,7 +265,7 @@ test("an MRI's lesion is found in the same breast of a standing scan, with its n
     return fit("standing.json");
   });
 
-  await test.step("there it is, in plan and report", async () => {
+  await test.step("there it is, in the plan and for who has a link", async () => {
     const plan = (await (await page.request.get(`${base}/api/fits/${standing}/plan.json`)).json()) as PlanOnScan;
     const [lesion] = plan.lesions;
     expect([plan.lesions.length, lesion!.name, lesion!.carried]).toEqual([1, "Lesion 1", true]);
@@ -286,20 +285,13 @@ test("an MRI's lesion is found in the same breast of a standing scan, with its n
     const there = await hook.project(page, lesion!.center.map((value) => mmFrom(value, plan.unit)) as Vector);
     const steep = (await page.locator(".stage .body-cross.is-steep").boundingBox())!;
     expect(Math.abs(steep.x - there.x), "through the lesion where it lies standing").toBeLessThan(3);
-    const report = info.outputPath("report.pdf");
-    writeFileSync(report, await (await page.request.get(`${base}/api/fits/${standing}/report.pdf`)).body());
-    const words = execFileSync(findPython(), ["-c", "import sys, pypdf; print(' '.join(' '.join(page.extract_text() for page in pypdf.PdfReader(sys.argv[1]).pages).split()))", report], { encoding: "utf8" });
-    for (const [shows, count] of [["plain", 3], ["none", 0]] as const) {
-      const link = (await (await page.request.post(`${base}/api/fits/${standing}/shares`, { data: { expires_in_days: 1, scan: shows } })).json()) as { url: string };
-      const visitor = await page.context().browser()!.newPage();
-      await visitor.goto(new URL(link.url, base).href);
-      await visitor.getByRole("button", { name: "Lesion 1" }).click();
-      await expect(visitor.getByRole("img", { name: /^\d+\smm below the skin/ }), "who has a link sees how deep it lies").toBeVisible();
-      await expect(visitor.getByRole("img", { name: /^(axial|sagittal|coronal) slice through Lesion 1$/ })).toHaveCount(count);
-      if (count === 0) await expect(visitor.getByText("No slices: this link shows the model alone, and no skin of the patient.")).toBeVisible();
-      else expect(await visitor.locator(".lesion-slices .slice-of-skin").first().evaluate((path) => (path as SVGPathElement).getTotalLength())).toBeGreaterThan(200);
-      await visitor.close();
-    }
-    expect(words).toMatch(/Lesion: Lesion 1.*radius [67][.\d]* mm.*to the skin \d+ mm.*nipple, left \d+ mm/);
+    const link = (await (await page.request.post(`${base}/api/fits/${standing}/shares`, { data: { expires_in_days: 1, scan: "plain" } })).json()) as { url: string };
+    const visitor = await page.context().browser()!.newPage();
+    await visitor.goto(new URL(link.url, base).href);
+    await visitor.getByRole("button", { name: "Lesion 1" }).click();
+    await expect(visitor.getByRole("img", { name: /^\d+\smm below the skin/ }), "who has a link sees how deep it lies").toBeVisible();
+    await expect(visitor.getByRole("img", { name: /^(axial|sagittal|coronal) slice through Lesion 1$/ })).toHaveCount(3);
+    expect(await visitor.locator(".lesion-slices .slice-of-skin").first().evaluate((path) => (path as SVGPathElement).getTotalLength())).toBeGreaterThan(200);
+    await visitor.close();
   });
 });

@@ -1,6 +1,6 @@
-// The outage's day: the service goes away while landmarks, a line, a pattern with its numbers, a tumour and notes are entered, and
-// comes back; the session ends; the page is reloaded in between; another tab works on the same patient.  Nothing is lost, all of it
-// is saved without a click, and the page says so where somebody looks.
+// The outage's day: the service, or the way to it, goes away while landmarks, a line, a pattern with its numbers, a tumour and
+// notes are entered, and comes back; the session ends; the page is reloaded in between; another tab works on the same patient.
+// Nothing is lost, all of it is saved without a click, and the page says so where somebody looks.
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -15,11 +15,11 @@ let service: Running;
 let folder: string;
 
 test.use({ base: async ({}, use) => use(service.base) });
-test.beforeEach(async () => {
+test.beforeAll(async () => {
   folder = mkdtempSync(join(tmpdir(), "breastrig-e2e-"));
   service = await startService({ BREASTRIG_TOKEN: TOKEN }, [], folder);
 });
-test.afterEach(async () => {
+test.afterAll(async () => {
   await service.stop();
   rmSync(folder, { recursive: true, force: true });
 });
@@ -196,10 +196,10 @@ test("two tabs in one outage: both notes stay, and where numbers contradict each
   const other = await context.newPage();
   await other.goto(`${base}/#scan=${scan}`);
   await hook.ready(other);
-  await service.stop();
+  await context.setOffline(true);
   await type(page, { areola: "40", clock: "3", notes: "From the first tab." });
   await type(other, { areola: "44", clock: "3", notes: "From the second tab." });
-  await comeBack();
+  await context.setOffline(false);
   await expect(bar(page)).toBeHidden();
   await expect(bar(other)).toBeHidden();
   await expect.poll(async () => (await kept(scan, plan)).notes.join().split(/[\n,]/).sort()).toEqual(["From the first tab.", "From the second tab."]);

@@ -2,9 +2,8 @@
 import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { Fit } from "../src/api/types";
-import { overlaps, seriousFindings, smallTargets } from "./audit";
-import { addToPlan, hook, test, trueLandmarks, untilFitted, untilStill } from "./page";
-import { inTheme } from "./states";
+import { expectForEverybody } from "./audit";
+import { addToPlan, hook, test, trueLandmarks, untilFitted } from "./page";
 
 const other = (page: Page) =>
   page.evaluate(() => {
@@ -51,17 +50,7 @@ test("the stance that is missing is predicted, the pattern is carried there, and
     await expect(pane).toBeVisible();
   });
 
-  await test.step("everybody can read and press it", async () => {
-    for (const [device, viewport] of [["tablet", { width: 834, height: 1112 }], ["desk", { width: 1280, height: 720 }]] as const) {
-      await page.setViewportSize(viewport);
-      await untilStill(page);
-      expect.soft(await smallTargets(page), `${device}: smaller than 24 pixels`).toEqual([]);
-      expect.soft(await overlaps(page), `${device}: controls over one another`).toEqual([]);
-    }
-    expect.soft(await seriousFindings(page)).toEqual([]);
-    await inTheme(page, "dark");
-    expect.soft(await seriousFindings(page, { runOnly: ["color-contrast"] }), "contrast in the dark").toEqual([]);
-  });
+  await test.step("everybody can read and press it", () => expectForEverybody(page, "predicted"));
 
   await test.step("it is there again after a reload, with what is planned", async () => {
     await page.reload();

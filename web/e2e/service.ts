@@ -5,7 +5,6 @@ import { tmpdir } from "node:os";
 import { delimiter, join, resolve } from "node:path";
 
 export const REPOSITORY = resolve(import.meta.dirname, "../..");
-export const FOREARM = join(REPOSITORY, "model_assets", "forearm.py"); // a program that makes a rig of another body part
 const PATIENCE_MS = 180_000; // a busy machine
 
 /** The Python of the environment that has breastrig: of the one that runs us, else of the checkout's own. */

@@ -1,5 +1,5 @@
-// Before the tests: the page is built when it is older than its sources, the example patient is made coarse, and one real
-// service is started.  Afterwards all are gone.
+// Before the tests: the page is built when it is older than its sources, the example patient is made coarse, and two real
+// services are started: one for everybody, and one that asks for a token and has links.  Afterwards all are gone.
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -14,10 +14,11 @@ export default async function setup(): Promise<() => Promise<void>> {
   execFileSync(findPython(), [path, examples], { env, stdio: "inherit" });
   process.env.BREASTRIG_E2E_EXAMPLES = examples;
   process.env.BREASTRIG_REMEMBERED_UPLOADS = join(folder, "uploads");
-  const { base, stop } = await startService();
-  process.env.BREASTRIG_E2E_BASE = base;
+  const [everybodys, owners] = await Promise.all([startService(), startService({}, [])]); // with the token that it makes itself
+  process.env.BREASTRIG_E2E_BASE = everybodys.base;
+  process.env.BREASTRIG_E2E_OWNER = JSON.stringify({ address: owners.address, data: owners.data });
   return async () => {
-    await stop();
+    await Promise.all([everybodys.stop(), owners.stop()]);
     rmSync(folder, { recursive: true, force: true });
   };
 }

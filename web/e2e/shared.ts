@@ -1,9 +1,6 @@
-// A service with a token and links to its results, for the tests of what visitors see.
+// The service with a token and links to its results, for the tests of what visitors see.
 import { createHash } from "node:crypto";
 import { expect } from "@playwright/test";
-import { type Running, startService } from "./service";
-
-const TOKEN = "a-token-of-more-than-sixteen-characters";
 
 export interface Link {
   readonly id: string;
@@ -18,22 +15,32 @@ interface Fit {
 
 export const sha256 = (bytes: Uint8Array): string => createHash("sha256").update(bytes).digest("hex");
 
+/** Whoever has the token of the service that all these tests share. */
 export class Owner {
-  readonly token = TOKEN;
-  private constructor(private readonly service: Running) {}
+  private get service(): { readonly address: string; readonly data: string } {
+    return JSON.parse(process.env.BREASTRIG_E2E_OWNER!) as { address: string; data: string };
+  }
 
-  static async start(): Promise<Owner> {
-    return new Owner(await startService({ BREASTRIG_TOKEN: TOKEN }));
+  /** As the service prints it: with the token that it has made itself. */
+  get address(): string {
+    return this.service.address;
+  }
+
+  /** The service's folder. */
+  get data(): string {
+    return this.service.data;
   }
 
   get base(): string {
-    return this.service.base;
+    return new URL(this.address).origin;
   }
 
-  stop = (): Promise<void> => this.service.stop();
+  get token(): string {
+    return new URL(this.address).searchParams.get("token")!;
+  }
 
   async ask(path: string, method = "GET", body?: object, more: Record<string, string> = {}): Promise<Response> {
-    const headers = { Authorization: `Bearer ${TOKEN}`, "Content-Type": "application/json", ...more };
+    const headers = { Authorization: `Bearer ${this.token}`, "Content-Type": "application/json", ...more };
     const answer = await fetch(this.base + path, { method, headers, ...(body ? { body: JSON.stringify(body) } : {}) });
     expect(answer.ok, `${method} ${path}: ${answer.status}`).toBe(true);
     return answer;

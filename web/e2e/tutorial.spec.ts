@@ -24,6 +24,14 @@ test("the surgeon's tutorial, step by step", async ({ page }, info) => {
     taken.push(step);
     if (step === "body") await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.scans.map(({ fit }) => fit?.state))).toEqual(["done", "done", "done"]);
     if (step === "lines") {
+      const lines = () =>
+        page.evaluate(() => {
+          const { drawn, stances } = window.__breastrig!.state();
+          const carried = stances.other?.drawn.onScan?.carried.shapes ?? [];
+          return drawn.lines.present.map(({ name }) => ({ name, isBanded: carried.find((each) => each.name === name)?.error_mm?.every((mm) => mm !== null && mm > 0) }));
+        });
+      await expect.poll(async () => (await lines()).filter(({ isBanded }) => isBanded).length, "the ink lies on the supine skin, with its band").toBe(6);
+      expect((await lines()).map(({ name }) => name)).toContain("Tumour");
       // The panes have changed hands twice by now: the other body is still in the middle of its pane.
       const target = await page.evaluate(() => window.__breastrig!.other()!.pose.target);
       expect(Math.hypot(...target), "metres").toBeLessThan(0.15);
