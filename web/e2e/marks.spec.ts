@@ -14,7 +14,7 @@ test("a mark is placed and named on one scan and found again on the other", asyn
   await expect(guide.locator("canvas"), "no picture of the model shows it").toBeHidden();
   await untilStill(page);
   const notch = await hook.project(page, (await hook.pick(page, "mid_sternum"))!);
-  await page.mouse.click(notch!.x, notch!.y + 40);
+  await page.mouse.click(notch.x, notch.y + 40);
   await expect(guide).toBeHidden();
   const field = list.getByLabel("Name of the mark mark 1");
   await field.fill("umbilicus");
@@ -38,9 +38,9 @@ test("a mark is placed and named on one scan and found again on the other", asyn
   await row.getByRole("button", { name: /mole/ }).first().click();
   await expect(guide).toContainText("The dashed sign is where it is expected");
   await untilStill(page);
-  const expected = (await page.evaluate(() => window.__breastrig!.state().beside["mark:mole"]!))!;
+  const expected = (await page.evaluate(() => window.__breastrig!.state().beside["mark:mole"]!));
   await expect(page.locator(".pin.is-proposed[data-proposed='mark:mole'] .mark")).toBeVisible();
-  const at = (await hook.project(page, expected))!;
+  const at = (await hook.project(page, expected));
   await page.mouse.click(at.x + 3, at.y);
   await expect(row).toHaveClass(/is-placed/);
   expect(distance((await hook.pick(page, "mark:mole"))!, expected), "mm").toBeLessThan(20);
