@@ -1,14 +1,20 @@
 """Marks with the landmarks of a scan: kept, given to fits, gone with the scan."""
 
 import io
+from collections.abc import Iterator
 
 import pytest
 from flask.testing import FlaskClient
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
-from helpers.waiting import ended
+from helpers.remembered_fits import run_fit_once
+from helpers.waiting import ended, until
 
+from breastrig.api.app import create_app
+from breastrig.api.config import Config
+from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
+from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long
 
@@ -70,3 +76,66 @@ def test_marks_go_with_their_scan(client: FlaskClient, service: Service, scan_id
     assert b"xyzzymole" in bytes_below(service.storage.root)
     client.delete(f"/api/scans/{scan_id}")
     assert b"xyzzymole" not in bytes_below(service.storage.root)
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[FlaskClient, dict[str, dict[str, str]]]]:
+    """The example patient in both stances, of one case, with the nipples as marks, one of them 40 mm off lying."""
+    service = Service(
+        Storage(tmp_path_factory.mktemp("marks")), runner=run_fit_once, fits=FitLimits(workers=1, grace_s=0.1)
+    )
+    with service.started():
+        client = create_app(Config(), service).test_client()
+        ids: dict[str, dict[str, str]] = {}
+        for stance in ("standing", "supine"):
+            scan = client.post(f"/api/examples/{stance}").json
+            places = scan["example_landmarks"]["landmarks"]
+            marks = {"dot": places.pop("nipple_L"), "mole": places.pop("nipple_R"), stance: places["xiphoid"]}
+            if stance == "supine":
+                marks["mole"] = places["xiphoid"]
+            kept = {"landmarks": places, "marks": marks}
+            assert client.put(f"/api/scans/{scan['id']}/landmarks", json=kept).status_code == 200
+            fit = client.post("/api/fits", json={"scan": scan["id"], "drawing": "lumpectomy"}).json["id"]
+            assert ended(service, fit).state == "done"
+            ids[stance] = {"scan": scan["id"], "fit": fit}
+        patient = client.get(f"/api/scans/{ids['standing']['scan']}").json["patient"]
+        hers = {"patient": patient, "same_as": [ids["standing"]["scan"]]}
+        place = f"/api/scans/{ids['supine']['scan']}/patient"  # its worker may hold it for a moment more
+        until(lambda: client.put(place, json=hers).status_code == 200, "her case")
+        yield client, ids
+
+
+@pytest.mark.slow
+def test_lines_between_two_fits_follow_their_marks(real: tuple[FlaskClient, dict[str, dict[str, str]]]) -> None:
+    client, ids = real
+    fits = {"from_fit": ids["standing"]["fit"], "to_fit": ids["supine"]["fit"]}
+    answer = client.post("/api/transfers", json=fits | {"same_patient": True})
+    assert answer.status_code == 201, answer.json
+    marks = answer.json["marks"]
+    assert (marks["followed"], marks["unpaired"]) == (["dot"], ["standing", "supine"])
+    assert [each["name"] for each in marks["asked"]] == ["mole"]
+    other = client.post("/api/transfers", json=fits | {"other_patient": True})
+    assert "marks" not in other.json
+
+
+@pytest.mark.slow
+def test_the_plan_of_a_patient_follows_marks_and_a_link_names_none(
+    real: tuple[FlaskClient, dict[str, dict[str, str]]],
+) -> None:
+    client, ids = real
+    standing, supine = ids["standing"], ids["supine"]
+    patient = client.get(f"/api/scans/{standing['scan']}").json["patient"]
+    tumour = {"kind": "tumour", "id": "t", "scan": standing["scan"], "side": "L", "clock": 3, "distance_mm": 30}
+    plan = {"schema": "breastrig/plan@1", "items": [tumour | {"radius_mm": 10}]}
+    first = {"If-Match": '"0"'}
+    assert client.put(f"/api/patients/{patient}/plan", json=plan, headers=first).status_code == 200
+    shown = client.get(f"/api/fits/{supine['fit']}/plan.json").json
+    assert shown["missing"] == []
+    [marks] = shown["marks"]
+    assert (marks["scan"], marks["followed"]) == (standing["scan"], ["dot"])
+    assert [each["name"] for each in marks["asked"]] == ["mole"]
+    made, visitor = client.post(f"/api/fits/{supine['fit']}/shares", json={}).json, client.application.test_client()
+    assert visitor.post("/api/shared/open", json={"token": made["url"].partition("#")[2]}).status_code == 200
+    with visitor.get(f"/api/shared/{made['id']}/plan.json") as linked:
+        assert linked.status_code == 200
+        assert "mole" not in linked.get_data(as_text=True)

@@ -7,9 +7,10 @@ import pytest
 
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.drawing_file import shape_document
-from breastrig.drawings.line_error import across, carried_errors, drawn_error, radii_at, with_errors
+from breastrig.drawings.line_error import across, carried_errors, drawn_error, with_errors
 from breastrig.drawings.plan_on_scan import PlannedScan, plan_on_scan
 from breastrig.drawings.plan_schema import PlanLine, PlanTumour
+from breastrig.drawings.skin_maps.scan_errors import radii_at
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.drawings.transfer import transferred

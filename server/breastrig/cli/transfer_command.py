@@ -7,7 +7,9 @@ left.  FILE is in scan B's frame and unit and says of each point how far off its
 
 import argparse
 import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from breastrig.cli.earlier_fits import say_unchecked
 from breastrig.cli.output_options import (
@@ -20,6 +22,7 @@ from breastrig.cli.output_options import (
 )
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
+from breastrig.scan.landmarks.marks import listed
 from breastrig.use.transfer import transfer
 
 
@@ -51,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
             model=options.model,
         )
         drawing.save(out / options.output.name)
-    for said in (*drawing.document.get("doubts", ()), *drawing.document.get("moved", ())):
+    for said in (*drawing.document.get("doubts", ()), *drawing.document.get("moved", ()), *_of_marks(drawing.document)):
         print(f"breastrig: {said}", file=sys.stderr)
     say_unchecked(options.from_fit, options.to_fit)
     shapes = drawing.document["shapes"]
@@ -59,3 +62,15 @@ def run(options: argparse.Namespace) -> int:
     if sys.stdout.isatty():
         print(f"{count} points, {bridged} of them over holes of the scan; drawing in {options.output}")
     return say_misfits([str(each["reason"]) for each in drawing.document.get("missing", ())])
+
+
+def _of_marks(document: Mapping[str, Any]) -> Iterator[str]:
+    """A sentence for each mark that is asked about, and what was followed."""
+    marks = document.get("marks")
+    if marks is None:
+        return
+    yield from (each["says"] for each in marks["asked"])
+    if marks["followed"]:
+        yield f"Marks followed: {listed(marks['followed'])}."
+    if marks["unpaired"]:
+        yield f"Marks on one of the scans only, not followed: {listed(marks['unpaired'])}."

@@ -1,9 +1,6 @@
 """Line errors: the 90 % radius of each point of a line, and one number across the line.
 
-A projected line has the error of the model under it. A line that is transferred between scans has the errors of both
-fits there, whatever it had before; but the part that both fits share (one model, one body) cancels, so the root sum of
-squares of both radii is reduced by a factor, and an error of the skin itself is added. Both are estimated on bodies
-with known skin (skin_maps). A prediction shares nothing with the truth, so its radii count in full.
+A projected line has the error of the model under it, a transferred one that of both scans (skin_maps/scan_errors.py).
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.core.stances import PRONE
+from breastrig.drawings.skin_maps.marks import left_over
+from breastrig.drawings.skin_maps.scan_errors import radii_at, squared_errors
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
@@ -21,6 +19,7 @@ from breastrig.rig.model import Rig
 
 ACROSS = 0.71  # of a place's radius: across a line through it (docs/decisions/0018)
 
+HOLDS_90 = 2.15  # 90 % radius of a place that is off by one standard deviation on each of the skin's two axes
 FINGER = 0.01  # m, of a line error: a finger's breadth is 20 mm, half of it on each side
 MOST_FINGERS = 3  # "or more": beyond two nobody plans by the difference
 
@@ -44,30 +43,28 @@ def drawn_error(lines: Iterable[Polyline]) -> float | None:
     return max((across(known) for known in radii if len(known)), default=None)
 
 
-def radii_at(rig: Rig, fitted: ClosestPointSearch, radii: Array, points: Array) -> Array:
-    """(M,) m: the (V,) m radii of the fitted model's vertices, at (M, 3) m points near it."""
-    nearest = fitted.query(points)
-    return np.asarray(np.einsum("mc,mc->m", nearest.barycentric, radii[rig.faces[nearest.faces]]))
-
-
 def carried_errors(
-    rig: Rig, a: FittedScan, b: FittedScan, on_a: Array, on_b: Array, *, on_skin: bool = True
+    rig: Rig,
+    a: FittedScan,
+    b: FittedScan,
+    on_a: Array,
+    on_b: Array,
+    *,
+    on_skin: bool = True,
+    marks: Sequence[str] = (),
 ) -> Array | None:
     """(M,) m: errors of (M, 3) m points of A's skin that were transferred to (M, 3) m on B; None when unknown.
 
-    Skin that hangs in one of two scans slides farther over the tissue below it; a prediction's radii include that.
+    `marks` names those of both scans that the transfer followed: the nearer, the less is left of the error.
     """
-    settings = skin_map_settings(rig)
-    if settings.error_skin is None or settings.error_share is None:
-        return None
-    is_hung = on_skin and not (a.predicted or b.predicted) and (a.stance == PRONE) != (b.stance == PRONE)
-    total = np.full(len(on_a), settings.error_skin**2 + (settings.error_hanging**2 if is_hung else 0.0))
-    for scan, points in ((a, on_a), (b, on_b)):
-        if scan.radii is None:
-            return None
-        share = 1.0 if scan.predicted else settings.error_share
-        total += (share * radii_at(rig, scan.search(rig), scan.radii, points)) ** 2
-    return np.asarray(np.sqrt(total))
+    left: Array | float = 1.0
+    if marks:
+        here, there = (np.array([scan.marks[name] for name in marks]) for scan in (a, b))
+        at_marks = squared_errors(rig, a, b, here, there)
+        if at_marks is not None:
+            left = left_over(on_a, here, np.sqrt(at_marks) / HOLDS_90, skin_map_settings(rig))
+    total = squared_errors(rig, a, b, on_a, on_b, on_skin=on_skin, left=left)
+    return None if total is None else np.asarray(np.sqrt(total))
 
 
 def with_errors(

@@ -15,7 +15,7 @@ from breastrig.correspondence.match import MatchRules, match
 from breastrig.drawings.line_error import carried_errors
 from breastrig.drawings.prepare_polyline import prepared
 from breastrig.drawings.project_drawing import LineNearSkin, smoothed_on_skin
-from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap
+from breastrig.drawings.skin_maps.skin_map import FittedScan, SkinMap, shared_marks
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import unit_vectors, vertex_normals
 from breastrig.geometry.polyline import Polyline, parts
@@ -60,7 +60,8 @@ def transferred(
     models = [ClosestPointSearch(each.vertices, rig.faces) for each in (a, b)]
     gaps = [model.query(each).distances for model, each in zip(models, (points, there), strict=True)]
     gaps[0][skipped], gaps[1][bridged] = np.nan, np.nan
-    errors = carried_errors(rig, a, b, points, there)
+    marks = () if other_patient else shared_marks(rig, a, b).followed
+    errors = carried_errors(rig, a, b, points, there, marks=marks)
     return tuple(
         TransferredLine(
             replace(line, points=there[part], bridged=bridged[part], error=None if errors is None else errors[part]),

@@ -34,6 +34,7 @@ from breastrig.use.draw import Drawn, drawn_items
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.use.folder.one_body import check_one_body, doubts_between
 from breastrig.use.folder.whose import check_whose, made_on
+from breastrig.use.lines.marks_between import marks_between
 from breastrig.use.lines.plan_on_fit import items_of, lesions_of, plan_document, plan_on_folders, scan_of_plan
 from breastrig.use.values.drawing import Drawing, Lesion, Line, document_of, drawing_of
 from breastrig.use.values.fit_result import Fit
@@ -175,9 +176,9 @@ def carried_drawing(
         carried = transferred(rig, a, b, shapes, other_patient)
     except MemoryError as error:
         raise BadInput("Carrying this drawing needs more memory than it may use; give smaller scans.") from error
-    doubts = [] if other_patient else doubts_between(source, goal)
+    doubts, marks = ([], {}) if other_patient else (doubts_between(source, goal), marks_between(source, goal))
     found = _carried_document(given, goal, carried, other_patient)
-    return found | {"doubts": doubts, "moved": _moved(source, given.on_scan)}
+    return found | {"doubts": doubts, "moved": _moved(source, given.on_scan)} | ({"marks": marks} if marks else {})
 
 
 def carried_between(
@@ -230,7 +231,9 @@ def _plan_on(rig: Rig, plan: Plan, source: FitFolder, goal: FitFolder, other_pat
     ]
     missing = {each.item.id for each in laid.missing}
     lines = lines_on_scan({"unit": "mm", "shapes": [each for each in shapes if each["id"] not in missing]}, "mm")
-    return plan_document(plan, goal, laid) | {"doubts": doubts_between(source, goal), "moved": _moved(source, lines)}
+    said = {"doubts": doubts_between(source, goal), "moved": _moved(source, lines)}
+    marks = marks_between(source, goal)
+    return plan_document(plan, goal, laid) | said | ({"marks": marks} if marks else {})
 
 
 def _carried_document(

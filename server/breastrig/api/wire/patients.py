@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from breastrig.api.wire.common import FitState, Headers, Name, PageQuery, Point, Wire
+from breastrig.api.wire.transfers import MarksOfScan
 from breastrig.core.stances import Stance
 from breastrig.drawings.drawing_schema import Colour, DrawnShape, LineUnit
 from breastrig.drawings.plan_schema import ITEMS, PlanItem, ScanOfPlan
@@ -241,6 +242,9 @@ class PlanOnScan(Wire):
         [],
         description="the patient's scans that do not look like this one: nothing is carried from them until somebody "
         "says that they are one patient's (`same_as` of putScanPatient)",
+    )
+    marks: list[MarksOfScan] = Field(
+        [], exclude_if=not_, description="of the scans that items were carried from; behind a share link none"
     )
     version: int = Field(description="of the plan")
     whole: bool = Field(description="whether somebody has written the plan; false: the fit's own drawing still counts")

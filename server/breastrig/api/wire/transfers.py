@@ -37,6 +37,23 @@ class CarriedShape(DrawnShape):
     )
 
 
+class AskedMark(Wire):
+    name: str
+    says: str = Field(description="how far off it is, and a question")
+
+
+class SharedMarks(Wire):
+    """The marks of two scans of one patient."""
+
+    followed: list[str] = Field(description="names of those on both scans that lines follow")
+    asked: list[AskedMark] = Field(description="on both scans, contradicting all else; lines do not follow them")
+    unpaired: list[str] = Field(description="names of those on one of the scans alone")
+
+
+class MarksOfScan(SharedMarks):
+    scan: str = Field(description="id of the other scan")
+
+
 class CarriedDrawing(Wire):
     schema_: Literal["breastrig/drawing@1"] = Field(alias="schema")
     name: str
@@ -47,6 +64,9 @@ class CarriedDrawing(Wire):
     doubts: list[str] = Field([], description="why the two scans may be of two patients, a sentence each")
     moved: list[str] = Field(
         [], description="which points lay off the first scan's skin, by more than 1 mm, and were moved onto it"
+    )
+    marks: SharedMarks | None = Field(
+        None, exclude_if=lambda marks: marks is None, description="of both scans; absent without any"
     )
     carried_by: Literal["skin", "model"]
     shapes: list[CarriedShape]

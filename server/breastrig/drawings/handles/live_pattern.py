@@ -27,10 +27,10 @@ from breastrig.drawings.handles.as_drawn import as_drawn
 from breastrig.drawings.handles.handle import Handle
 from breastrig.drawings.handles.reductions import vertical_handles, wise_handles
 from breastrig.drawings.handles.rings import ellipse_handles, periareolar_handles, tumour_handles
-from breastrig.drawings.line_error import radii_at
 from breastrig.drawings.pattern_parameters import UNITS, PatternParameter, parameters_of
 from breastrig.drawings.patterns import Pattern, pattern_of
 from breastrig.drawings.project_drawing import shapes_on_scan
+from breastrig.drawings.skin_maps.scan_errors import radii_at
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals

@@ -23,10 +23,11 @@ from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.constructions.tumour import Tumour
 from breastrig.drawings.inks import LESION
 from breastrig.drawings.inside.radiology import ClockPosition, RadiologyCheck, checked_radiology, clock_position
-from breastrig.drawings.line_error import carried_errors, radii_at
+from breastrig.drawings.line_error import carried_errors
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanTumour, asked_of
 from breastrig.drawings.project_drawing import on_scan
 from breastrig.drawings.skin_maps.interior_map import lie_beside, moved_inside
+from breastrig.drawings.skin_maps.scan_errors import radii_at
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.drawings.skin_maps.skin_map import FittedScan
 from breastrig.geometry.closest_point import ClosestPointSearch, closest_barycentric

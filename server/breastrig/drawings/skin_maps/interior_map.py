@@ -33,7 +33,7 @@ def moved_inside(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array
 
     first, second = (b, a) if a.stance == "supine" and b.stance != "supine" else (a, b)
     followed = within_reach(rig, first.vertices, first.vertices)
-    skin = SkinMap(rig, first, second, ways=False).moved(first.vertices)
+    skin = SkinMap(rig, first, second, ways=False, marks=False).moved(first.vertices)
     there = np.where(followed[:, None], skin, second.vertices)
     here, there = (first.vertices, there) if first is a else (there, first.vertices)
     _, apart = np.unique(np.round(here, 5), axis=0, return_index=True)  # two equal places make it singular

@@ -27,6 +27,12 @@ class SkinMapSettings(SettingsPart):
     strain: Positive
     shift_length: Positive
     landmark_error: Positive
+    mark_error: Positive
+    mark_length: Positive
+    mark_share: Annotated[float, Field(gt=0.0, lt=1.0)]
+    mark_spread: Positive
+    mark_freedom: Positive
+    mark_limit: Positive
     model_error: Positive
     model_points: Count
     surface_error: Positive

@@ -5,7 +5,8 @@ millimetre may still disagree along the skin by ten.  The picked landmarks know 
 scans' surfaces know the depth, and skin stretches smoothly.  So the way from A to B is a rigid motion plus a
 smooth displacement u(x), a Gaussian process with three kinds of observations, each weighed by its error:
 
-* landmarks present in both scans, picked by a person or seen by their colours,
+* landmarks present in both scans, picked by a person or seen by their colours, and marks that both scans have and that
+  contradict nothing (marks.py),
 * the surface of scan B: points of A must arrive on it (only along its normal),
 * the two fitted models: the same point of the model on A and on B, weakly; without landmarks they are all there is.
 
@@ -31,6 +32,7 @@ from breastrig.core.errors import BadDrawing
 from breastrig.correspondence.match import Correspondences, MatchRules, match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.skin_maps.lying_motion import lying_motion
+from breastrig.drawings.skin_maps.marks import SharedMarks, agreeing
 from breastrig.drawings.skin_maps.settings import SkinMapSettings, skin_map_settings
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
@@ -55,6 +57,7 @@ class FittedScan:
     predicted: bool = False  # no scan shows the patient so
     wall: ClosestPointSearch | None = None  # the chest wall that the scan shows, triangles towards the front
     marks: dict[str, Array] = field(default_factory=dict)  # (3,) on the scan's skin, of any names
+    _shared: dict["FittedScan", SharedMarks] = field(default_factory=dict, init=False, repr=False)
     _searches: dict[Rig, ClosestPointSearch] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -80,10 +83,12 @@ class SkinMap:
         settings: SkinMapSettings | None = None,
         motion: Array | None = None,
         ways: bool = True,
+        marks: bool = True,
     ) -> None:
         """Fits the map with the rig's settings and its (1 + K, V, 3) m motions (lying_motion.py), or others.
 
-        Without `ways` only the mean motion is used. Raises BadDrawing when a model does not lie on its scan.
+        Without `ways` only the mean motion is used, without `marks` none of them is followed.  Raises BadDrawing when a
+        model does not lie on its scan.
         """
         self._rig, self._a, self._b = rig, a, b
         lies_down = a.stance == "standing" and b.stance == "supine"
@@ -107,7 +112,13 @@ class SkinMap:
         self._kernel_points = on_a.points[spread_out(on_a.points, own.centres)]
         gram = _matern(_gaps(self._kernel_points, self._kernel_points) / own.length)
         self._factor = cholesky(gram + 1e-9 * np.eye(len(gram)))
-        self._weights = self._solved(on_a)
+        self._weights = self._solved(on_a, ())
+        names = tuple(name for name in a.marks if name in b.marks) if marks else ()
+        self.marks = self._agreeing(names) if names else SharedMarks()
+        if names:
+            a._shared[b] = b._shared[a] = self.marks
+        if self.marks.followed:
+            self._weights = self._solved(on_a, self.marks.followed)
         self._moved_model = ClosestPointSearch(self.moved(a.vertices), rig.faces)
 
     def expected(self, points: Array) -> Array:
@@ -129,17 +140,26 @@ class SkinMap:
         axes = np.einsum("mk,ij->mijk", each, np.eye(3)).reshape(len(points), 3, 3 * each.shape[1])
         return np.concatenate([axes, self._motions(points)[:, :, 1:]], axis=2)
 
-    def _solved(self, on_a: Correspondences) -> Array:
-        """(W,) the weights w."""
+    def _agreeing(self, names: tuple[str, ...]) -> SharedMarks:
+        """The marks of these names that contradict neither each other nor the map without marks."""
+        here, there = (np.array([scan.marks[name] for name in names]) for scan in (self._a, self._b))
+        return agreeing(names, here, there - self.moved(here), self._settings)
+
+    def _solved(self, on_a: Correspondences, marks: tuple[str, ...]) -> Array:
+        """(W,) the weights w, with the marks of these names."""
         a, b, own = self._a, self._b, self._settings
         names = [name for name in a.known if name in b.known]
         chosen = spread_out(on_a.points, own.model_points)
-        known = [np.array([scan.known[name] for name in names]).reshape(-1, 3) for scan in (a, b)]
+        known = [
+            np.array([*(scan.known[name] for name in names), *(scan.marks[name] for name in marks)]).reshape(-1, 3)
+            for scan in (a, b)
+        ]
+        off = np.array([own.landmark_error] * len(names) + [own.mark_error] * len(marks))[:, None]
         start, basis = self.expected(on_a.points), self._basis(on_a.points)
         size = basis.shape[2]
-        at_landmarks, at_model = self._basis(known[0]) / own.landmark_error, basis[chosen] / own.model_error
+        at_landmarks, at_model = self._basis(known[0]) / off[..., None], basis[chosen] / own.model_error
         rows = np.concatenate([at_landmarks.reshape(-1, size), at_model.reshape(-1, size)])
-        to_landmarks = (known[1] - self.expected(known[0])) / own.landmark_error
+        to_landmarks = (known[1] - self.expected(known[0])) / off
         to_model = (b.vertices[on_a.vertices[chosen]] - start[chosen]) / own.model_error
         placed = rows.T @ rows + np.eye(size)
         pull = rows.T @ np.concatenate([to_landmarks.ravel(), to_model.ravel()])
@@ -175,6 +195,18 @@ class SkinMap:
     def to_a(self, points: Array) -> Array:
         """(M, 3) m: the skin of B at (M, 3) points, on the surface of scan A."""
         return np.asarray(self._a.target.search.query(self.moved_back(points)).points)
+
+
+def shared_marks(rig: Rig, a: FittedScan, b: FittedScan) -> SharedMarks:
+    """The marks that both scans have; which of them contradict the rest is found by the map, once.
+
+    Raises BadDrawing when a model does not lie on its scan.
+    """
+    if a.marks.keys().isdisjoint(b.marks):
+        return SharedMarks()
+    if b not in a._shared:
+        _ = SkinMap(rig, b, a) if a.stance == "supine" and b.stance != "supine" else SkinMap(rig, a, b)
+    return a._shared[b]
 
 
 def carried(rig: Rig, a: FittedScan, b: FittedScan, points: Array) -> Array:

@@ -9,7 +9,8 @@ import numpy as np
 from breastrig.core.arrays import Array, frozen
 from breastrig.core.stances import split_side
 from breastrig.drawings.drawing_file import rounded_mm
-from breastrig.drawings.line_error import drawn_error, radii_at, with_errors
+from breastrig.drawings.line_error import drawn_error, with_errors
+from breastrig.drawings.skin_maps.scan_errors import radii_at
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.fitting.checks.basis import CheckBasis, on_vertices
 from breastrig.fitting.checks.choose import Check, ModelLine, asked_checks, next_checks

@@ -32,6 +32,7 @@ from breastrig.rig.model import Rig
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of
 from breastrig.use.folder.one_body import BodyIssue, body_doubt
 from breastrig.use.folder.whose import made_on
+from breastrig.use.lines.marks_between import marks_between
 from breastrig.volume.tetrahedra import chest_wall
 
 PlanLines = tuple[dict[str, Any], bool]  # a document breastrig/drawing@1 on the fit's scan
@@ -89,9 +90,12 @@ def plan_on_fit(job: PlanJob) -> dict[str, Any]:
         kept_back += [{"item": item.id, "reason": NOT_CARRIED} for item in items_of(plan, other.scan, is_home=False)]
     try:
         found = plan_document(plan, here, plan_on_folders(rig, plan, fits))
+        carried_from = [(fit, scan) for fit, scan in fits[1:] if items_of(plan, scan, is_home=False)]
+        marks = [{"scan": scan} | between for fit, scan in carried_from if (between := marks_between(fit, here))]
     except MemoryError as error:
         raise BadInput("Carrying this plan needs more memory than it may use; give smaller scans.") from error
-    return found | {"missing": [*found["missing"], *kept_back], "doubts": doubts, "asked": asked}
+    said = {"missing": [*found["missing"], *kept_back], "doubts": doubts, "asked": asked}
+    return found | said | ({"marks": marks} if marks else {})
 
 
 def plan_on_folders(rig: Rig, plan: Plan, fits: Sequence[tuple[FitFolder, str]], home: int = 0) -> PlanOnScan:

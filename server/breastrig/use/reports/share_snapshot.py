@@ -121,6 +121,7 @@ def _of_scan(job: SnapshotJob, fit: FitFolder, cut: Booleans, plan: dict[str, An
 def _plan(job: SnapshotJob) -> dict[str, Any]:
     """The plan on the fit's scan without ids, which are the owner's, and without notes unless the owner shows them."""
     plan = dict(job.plan) | {"fit": "", "carried_from": [], "asked": []}
+    plan.pop("marks", None)
     if job.has_notes:
         return plan
     return plan | {"notes": [], "shapes": [shape for shape in plan["shapes"] if shape.get("kind") != "note"]}
