@@ -10,7 +10,7 @@ def test_a_row_says_what_was_found_and_missed():
     assert found.shown == len(found.nipples) == 1
     assert found.skin.mean() < 0.4
     assert not (found.missed > 3.0).any()
-    cells = row("one side", [found, found]).strip("|\n ").split(" | ")
-    assert len(cells) == len(HEADS)
-    assert cells[0] == "one side"
-    assert cells[-1] == "2 of 2"
+    numbers = row("one side", [found, found])
+    assert tuple(numbers) == HEADS
+    assert (numbers["image"], numbers["women"]) == ("one side", 2)
+    assert (numbers["nipples_seen"], numbers["nipples_shown"]) == (2, 2)

@@ -45,7 +45,7 @@ def found(made: MrImage) -> skin_of_image.ImageSkin:
     ("option", "within"),
     [
         ("plain", 0.8),
-        ("fat suppressed", 2.0),
+        ("fat suppressed", 1.5),
         ("motion ghosts", 0.8),
         ("visible board", 0.8),
         ("one coil half at 30 %", 1.2),
@@ -60,10 +60,12 @@ def test_the_skin_is_the_womans(option, within):
     away = off(made, skin)
     assert np.quantile(away, 0.95) < within  # voxels of 3 mm
     assert (away > FAR).mean() < (0.01 if option == "fat suppressed" else 0.002)
-    assert not len(missed(made, skin))
+    away = missed(made, skin)
+    assert not len(away) or (option == "all of the back" and away[:, 1].min() > made.nipples["L"][1] + 150.0)
     normals = trimesh.Trimesh(skin.vertices, skin.faces, process=False).face_normals
     front = skin.vertices[skin.faces].mean(axis=1)[:, 1] < made.nipples["L"][1] + 15.0
-    assert normals[front & (np.abs(normals[:, 1]) > 0.5)][:, 1].max() < 0.0  # outwards
+    turned = normals[front & (np.abs(normals[:, 1]) > 0.5)][:, 1] > 0.0  # inwards
+    assert turned.mean() < (0.02 if option == "fat suppressed" else 1e-9)  # nipples on dark fat
 
 
 def test_fine_voxels_give_triangles_of_two_millimetres_within_half_of_one():
@@ -106,7 +108,29 @@ def test_ghosts_are_weaker_than_what_is_around(monkeypatch):
     assert found(made).notes == ()
     assert not len(missed(made, found(made)))
     monkeypatch.setattr(cells, "LEAST", 0.0)
+    monkeypatch.setattr(cells, "OF_ROW", 0.0)
     assert len(missed(made, found(made))) > 50
+
+
+def test_strong_ghosts_are_no_skin_beside_the_trunk(monkeypatch):
+    made = mr_image("strong motion ghosts", seed=41)
+    skin = found(made)
+    assert not any(note.startswith("Beside the trunk") for note in skin.notes)
+    assert (off(made, skin) > FAR).mean() < 0.005
+    assert all(np.linalg.norm(each.place - made.nipples[each.side]) < each.radius_mm for each in skin.nipples)
+    monkeypatch.setattr(cells, "OF_ROW", 0.0)
+    assert any(note.startswith("Beside the trunk") for note in found(made).notes)
+
+
+def test_a_back_that_fades_into_noise_is_open_and_said(monkeypatch):
+    made = mr_image("faded back", seed=41)
+    skin = found(made)
+    assert skin_of_image.FADED in skin.notes
+    assert (off(made, skin) > FAR).mean() < 0.005
+    away = missed(made, skin)
+    assert not (away[:, 1] < made.nipples["L"][1] + 100.0).any()
+    monkeypatch.setattr(cells, "SEEN", 0.0)
+    assert (off(made, found(made)) > FAR).mean() > 0.1
 
 
 def test_noise_opens_no_way_into_the_lungs(monkeypatch):
@@ -125,6 +149,7 @@ def test_a_scanners_air_of_zero_tells_no_noise(monkeypatch):
 
 def test_patches_without_a_step_from_air_to_tissue_are_left_open(monkeypatch):
     made = strong(fades=40.0, back=True)
+    monkeypatch.setattr(cells, "SEEN", 0.0)
     skin = found(made)
     share = (off(made, skin) > FAR).mean()
     assert any("fades into noise" in note for note in skin.notes)

@@ -1,11 +1,16 @@
-"""How far the skin found in MR images is from the true one, over what spoils images.
+"""How far is the skin found in MR images from the true one, over what spoils images?
 
-Images of made women (virtual/magnetic); thresholds were chosen on the seeds 0 to 9, these are others.
+python -m breastrig_studies.virtual.magnetic.image_skin TABLE.csv MM SEED [SEED ...]
+
+Images of made women (virtual/magnetic), voxels of MM, a woman a seed; one row a kind of image.  Thresholds were
+chosen on the seeds 0 to 9 and 40 to 45.
 """
 
+import csv
 import sys
-import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -17,12 +22,12 @@ from breastrig_studies.arguments import arguments
 from breastrig_studies.virtual.magnetic.image import OPTIONS, PLAIN, MrImage, mr_image
 from breastrig_studies.virtual.magnetic.woman import prone_woman
 
-SEEDS = (20, 21, 22)
-STEPS = (1.0, 1.0, 1.0)  # mm
-LARGE, LARGE_STEPS = 2, (0.8, 0.8, 1.0)  # seed and mm of the image whose time and memory are measured
 ARMS = "arms touch"
 PLACES, FAR, WITHIN = 40_000, 3.0, 4.0  # on each skin; mm: false or missed; voxels from the image's ends
-HEADS = ("image", "mean", "95 %", "worst", "false %", "missed %", "nipples", "worst of them", "seen")
+HEADS = (
+    *("image", "women", "mean_mm", "p95_mm", "worst_mm", "false_percent", "missed_percent"),
+    *("nipples_mean_mm", "nipples_worst_mm", "nipples_seen", "nipples_shown"),
+)
 
 
 @dataclass(frozen=True)
@@ -62,36 +67,33 @@ def found_in(made: MrImage, skin: ImageSkin) -> Found:
     )
 
 
-def row(name: str, found: list[Found]) -> str:
-    """One row of the table."""
+def row(name: str, found: list[Found]) -> dict[str, str | int]:
+    """The numbers of one kind of image, by HEADS."""
     skin, missed = (np.concatenate([getattr(each, part) for each in found]) for part in ("skin", "missed"))
     nipples = [each for one in found for each in one.nipples]
-    cells = [name, f"{skin.mean():.2f}", f"{np.percentile(skin, 95):.2f}", f"{skin.max():.1f}"]
+    cells = [f"{skin.mean():.2f}", f"{np.percentile(skin, 95):.2f}", f"{skin.max():.1f}"]
     cells += [f"{100.0 * (skin > FAR).mean():.2f}", f"{100.0 * (missed > FAR).mean():.2f}"]
-    cells += [f"{np.mean(nipples):.1f}", f"{max(nipples):.1f}"] if nipples else ["–", "–"]
-    return "| " + " | ".join([*cells, f"{len(nipples)} of {sum(each.shown for each in found)}"]) + " |\n"
+    cells += [f"{np.mean(nipples):.1f}", f"{max(nipples):.1f}"] if nipples else ["", ""]
+    counts = (len(nipples), sum(each.shown for each in found))
+    return dict(zip(HEADS, (name, len(found), *cells, *counts), strict=True))
 
 
-def main() -> None:
-    """Writes the table, and what a full image costs."""
-    sys.stdout.write(f"| {' | '.join(HEADS)} |\n|{'---|' * len(HEADS)}\n")
-    for name in (*OPTIONS, ARMS):
-        found = []
-        for seed in SEEDS:
+def main(table: Path, step: float, seeds: Sequence[int]) -> None:
+    """Writes the table anew after each woman."""
+    found: dict[str, list[Found]] = {name: [] for name in (*OPTIONS, ARMS)}
+    for seed in seeds:
+        for name, those in found.items():
             woman = prone_woman(seed, "beside" if name == ARMS else "raised")
-            protocol = OPTIONS.get(name, OPTIONS["plain"])(replace(PLAIN, steps=STEPS))
+            protocol = OPTIONS.get(name, OPTIONS["plain"])(replace(PLAIN, steps=(step, step, step)))
             made = mr_image(woman, protocol, seed)
-            found.append(found_in(made, skin_of_image(made.image)))
-        sys.stdout.write(row(name, found))
-        sys.stdout.flush()
-    made = mr_image(prone_woman(LARGE), replace(PLAIN, steps=LARGE_STEPS, back=True), LARGE)
-    began = time.perf_counter()
-    skin_of_image(made.image)
-    took = time.perf_counter() - began
-    size = " x ".join(map(str, made.image.values.shape))
-    sys.stdout.write(f"\n{size} voxels: {took:.1f} s\n")
+            those.append(found_in(made, skin_of_image(made.image)))
+            sys.stdout.write(f"{seed}, {name}\n")
+        with table.open("w", encoding="utf-8", newline="") as file:
+            out = csv.DictWriter(file, HEADS, lineterminator="\n")
+            out.writeheader()
+            out.writerows(row(name, those) for name, those in found.items())
 
 
 if __name__ == "__main__":
-    arguments(__doc__)
-    main()
+    given = arguments(__doc__, "TABLE", "MM", "SEED...")
+    main(Path(given.table), float(given.mm), [int(each) for each in given.seed])

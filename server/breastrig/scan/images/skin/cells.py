@@ -1,7 +1,8 @@
 """An MR image averaged to cells of some 2 mm, and what in it is body: all that the air in front does not reach.
 
 One threshold for the whole image fails, for coils fade: tissue is what has a share of the strongest signal nearby.
-Ghosts of motion and the patient's board have none of the strongest signal further around.
+Ghosts of motion and the patient's board have none of the strongest signal further around; ghosts are copies along an
+axis, so they have a small share of the strongest there.  Behind where even that fades into noise nothing is known.
 """
 
 from dataclasses import dataclass
@@ -22,6 +23,8 @@ COARSE = 4.0  # mm, of the maxima's grid
 NEAR, WIDE = 14.0, 40.0  # mm to each side, in which the strongest signal is looked for
 ISO = 0.25  # of the strongest nearby: half of skin beside bright fat, its edge
 LEAST = 0.12  # of the strongest within WIDE
+OF_ROW = 0.15  # of the strongest along an axis from side to side, or from feet to head: ghosts have 0.1
+SEEN = 2.0  # times what noise is hardly above: the strongest at a depth at which the image still shows tissue
 SMOOTH = 3.0  # mm, Gaussian that closes holes through which air would enter
 DEVIATIONS = 4.0  # of the air's noise over its middle
 DARK = 0.12  # of the image's strongest: what may be air
@@ -40,7 +43,9 @@ class Cells:
 
     values: Grey  # (I, J, K)
     level: Grey  # (I, J, K) at the skin's edge
+    ghost: Grey  # the most that a ghost has, with axes of length 1
     closed: Booleans  # (I, J, K) tissue in the smoothed image
+    faded: Booleans  # from where on backwards nothing is known, with axes of length 1
     affine: Array  # (4, 4) cells' indices to mm, LPS
 
     @property
@@ -79,13 +84,15 @@ def cells_of(image: ImageVolume) -> Cells:
     level = np.maximum(np.maximum(np.float32(ISO) * near, np.float32(LEAST) * wide), np.float32(noise))
     smooth = ndimage.gaussian_filter(grey, SMOOTH / sizes)
     quiet = np.float32(_noise(smooth, strongest))
-    closed = smooth > np.maximum(quiet, np.float32(LEAST) * wide)
-    return Cells(grey, level, closed, image.affine @ turn)
+    axes = [int(np.abs(image.affine[row, :3]).argmax()) for row in range(3)]
+    ghost = np.float32(OF_ROW) * np.maximum(*(smooth.max(axis=axes[row], keepdims=True) for row in (0, 2)))
+    closed = smooth > np.maximum(np.maximum(quiet, np.float32(LEAST) * wide), ghost)
+    return Cells(grey, level, ghost, closed, _faded(smooth, noise, axes[1], image.affine), image.affine @ turn)
 
 
 def body_in(cells: Cells) -> Booleans:
-    """(I, J, K), without holes.  Raises BadScan where no air is in front, or nothing behind it."""
-    tissue = cells.values > cells.level
+    """(I, J, K), without holes, as far back as it is seen.  Raises BadScan where no air or no body is seen."""
+    tissue = (cells.values > np.maximum(cells.level, cells.ghost)) | cells.faded
     axis = int(np.abs(cells.affine[1, :3]).argmax())
     air: NDArray[Any] = ndimage.label(~(tissue | cells.closed))[0]
     in_front = air.take(0 if cells.affine[1, axis] > 0.0 else -1, axis=axis)  # LPS: y grows to the back
@@ -99,7 +106,16 @@ def body_in(cells: Cells) -> Booleans:
     sizes[0] = 0
     if not sizes.any():
         raise BadScan(NO_AIR)
-    return np.asarray((sizes >= PIECE * sizes.max())[pieces])
+    return np.asarray((sizes >= PIECE * sizes.max())[pieces] & ~cells.faded)
+
+
+def _faded(smooth: Grey, noise: float, axis: int, affine: Array) -> Booleans:
+    """Of each depth (axis `axis`, the others of length 1) whether it lies behind all that is seen."""
+    strongest = smooth.max(axis=tuple(each for each in range(3) if each != axis))
+    seen = np.flatnonzero(strongest > SEEN * noise)
+    at = np.arange(len(strongest))
+    behind = at > seen[-1] if affine[1, axis] > 0.0 else at < seen[0]
+    return np.asarray(behind.reshape([-1 if each == axis else 1 for each in range(3)]))
 
 
 def _averaged(image: ImageVolume, block: Integers) -> Grey:

@@ -18,12 +18,12 @@ from breastrig.geometry.half_edges import neighbours
 from breastrig.geometry.normals import face_areas, vertex_normals
 from breastrig.scan.clean import compact
 from breastrig.scan.images.image import ImageVolume
-from breastrig.scan.images.skin.cells import ISO, NO_AIR, Cells, Grey, body_in, cells_of
+from breastrig.scan.images.skin.cells import CELL, ISO, NO_AIR, Cells, Grey, body_in, cells_of
 from breastrig.scan.images.skin.nipples import SeenNipple, nipples_on
 
 DEPTHS = np.arange(-3.0, 8.01, 0.5)  # mm inwards, along which the image is looked at
 SHALLOW, DEEP = (0.0, 3.0), (4.0, 8.0)  # mm, of the skin, and of the fat under it
-DARK_FAT, ISO_OF_DARK = 0.7, 0.5  # of the skin's signal: fat that is suppressed, and the skin's edge there
+DARK_FAT, ISO_OF_DARK = 0.9, 0.5  # of the skin's signal: fat that is suppressed, and the skin's edge there
 FARTHEST = 2.5  # mm that a place is moved
 ROUNDS = 2
 EVENED = 8  # times profiles are averaged with their neighbours', for noise makes steps
@@ -36,6 +36,7 @@ BESIDE = (
     "Beside the trunk, {:.0f} cm² of skin come forward again: arms that touch it, or what the field of view "
     "folds over; the skin is open there."
 )
+FADED = "Farther back the signal fades into noise, and nothing is seen; the skin is open there."
 EDGE = "The body reaches the {} edge of the image; the skin is open there."
 
 
@@ -65,16 +66,20 @@ def skin_of_image(image: ImageVolume) -> ImageSkin:
     at = cells.indices(middles)
     is_arm = arms[tuple(np.clip(np.round(at).astype(np.int64), 0, np.array(arms.shape) - 1).T)]
     is_flat = _without_step(vertices, faces, profiles) & ~is_arm
+    is_faded = _near(cells.faded, at)
     voxels = np.linalg.solve(image.affine[:3, :3], (middles - image.affine[:3, 3]).T).T
     known = np.ones(len(faces), np.bool_)
     for gap in image.gaps:
         known &= (voxels[:, gap.axis] < gap.first - 1) | (voxels[:, gap.axis] > gap.last + 1)
+    known &= ~is_faded
     areas = face_areas(vertices, faces)
     notes = [
         sentence.format(0.01 * areas[left_out].sum())
         for left_out, sentence in ((is_arm & known, BESIDE), (is_flat & known, NO_STEP))
         if left_out.any()
     ]
+    if (body & ndimage.binary_dilation(cells.faded)).sum() * np.prod(cells.sizes) > CELL * WITHOUT_STEP:
+        notes.append(FADED)
     vertices, faces = compact(vertices, faces[known & ~is_arm & ~is_flat])
     if not len(faces):
         raise BadScan(NO_AIR)
@@ -120,6 +125,13 @@ def _crossings(profiles: Array, levels: Array) -> Array:
     places = np.where(rises, DEPTHS[:-1] + share * np.diff(DEPTHS), np.inf)
     nearest = places[np.arange(len(places)), np.abs(places).argmin(axis=1)]
     return np.where(np.abs(nearest) <= FARTHEST, nearest, 0.0)
+
+
+def _near(faded: Booleans, at: Array) -> Booleans:
+    """(F,) whether indices of cells (F, 3) lie where nothing is known, or border on it."""
+    wider = ndimage.binary_dilation(faded, np.ones((3, 3, 3), np.bool_), iterations=2)
+    limits = np.array(faded.shape) - 1
+    return np.asarray(wider[tuple(np.clip(np.round(at).astype(np.int64), 0, limits).T)])
 
 
 def _without_step(vertices: Array, faces: Integers, profiles: Array) -> Booleans:
