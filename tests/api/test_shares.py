@@ -134,7 +134,8 @@ def test_a_link_without_the_scan_gives_the_model_alone(
     names = [name for mesh in document["meshes"] for name in mesh.get("extras", {}).get("targetNames", ())]
     assert len(names) == len(toy_rig().shapes), "no skin layer"
     result, owners = visitor.get(links["result"]).json, client.get(f"/api/fits/{fit}/result.json").json
-    assert set(owners) - set(result) == {"areolae", "model_alone", "landmarks_given", "certain", "confidence"}
+    given = {"landmarks_given", "marks_given", "certain", "confidence"}
+    assert set(owners) - set(result) == {"areolae", "model_alone", *given}
     assert (result["refined"], result["landmarks_picked"], result["scan"]["sha256"]) == (False, {}, "")
     assert result["surface_distance_mm"] == owners["model_alone"]["surface_distance_mm"]
     assert result["parameters"] == owners["parameters"]
