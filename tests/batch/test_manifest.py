@@ -4,6 +4,7 @@ import pytest
 
 from breastrig.batch.manifest import BadManifest, BatchRow, read_manifest
 from breastrig.core.assets import asset_folder
+from breastrig.core.picks import Length
 from breastrig.rig.model import Rig
 from breastrig.scan.volumes.answers import VolumeAnswers
 from breastrig.use.steps.settings import FitSettings
@@ -156,3 +157,16 @@ def test_a_label_maps_answers_are_columns(folder: Path, rig: Rig) -> None:
     assert not second.answers
     assert "This is no frame" in faults(folder, rig, "scan,frame", "a.ply,up")[0]
     assert "can be lesion, tissue or unused" in faults(folder, rig, "scan,segments", "a.ply,2=skin")[0]
+
+
+def test_a_length_is_read_and_checked(folder: Path, rig: Rig) -> None:
+    head = "scan,landmarks,length"
+    (row,) = rows(folder, rig, head, "a.ply,picks.json,nipple_L | suprasternal_notch | 187")
+    assert row.settings.length == Length("nipple_L", "suprasternal_notch", 187.0)
+    for text, says in (
+        ("picks.json,nipple_L|187", "A length is two names and millimetres"),
+        ("picks.json,nipple_L|xiphoid|-3", "must be a number of millimetres above 0"),
+        (",nipple_L|xiphoid|187", "this row names no landmark file"),
+    ):
+        with pytest.raises(BadManifest, match=says):
+            rows(folder, rig, head, f"a.ply,{text}")

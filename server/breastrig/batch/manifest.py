@@ -26,10 +26,14 @@ from breastrig.scan.landmarks.landmark_files import landmarks_of_file
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers, checked_answers, segments_of_words
 from breastrig.use.steps.prepare import check_prior, checked_picks, named_drawing
 from breastrig.use.steps.settings import FIRST, FitSettings
+from breastrig.use.steps.true_size import length_of
 
 VOLUME_COLUMNS = ("frame", "segments", "series", "lesions", "same_place")  # as options of `breastrig fit`
 BETWEEN_FILES = "|"  # names of files may hold blanks
-COLUMNS = ("scan", "landmarks", "name", "units", "stance", "preset", "drawing", "tumour", "refine", *VOLUME_COLUMNS)
+COLUMNS = (
+    *("scan", "landmarks", "length", "name", "units", "stance", "preset", "drawing", "tumour", "refine"),
+    *VOLUME_COLUMNS,
+)
 YES_NO = {"": True, "no": False, "false": False, "0": False, "yes": True, "true": True, "1": True}
 MANIFEST_BYTES = 100_000_000  # half a million long rows
 NAME_BYTES = 200  # file systems take 255, and a folder that is being written has a longer name
@@ -154,8 +158,11 @@ def _row(
     scan = base / cells["scan"]
     scan = scan if is_folder(scan) else _file(base, cells["scan"], "scan")
     landmarks = _file(base, cells["landmarks"], "landmark file") if cells.get("landmarks") else None
+    length = length_of(_words(cells["length"])) if cells.get("length") else None
     if landmarks is not None:
         checked_picks(rig, landmarks_of_file(landmarks, lambda: (1e-3, (np.zeros(3), np.zeros(3)))))
+    elif length is not None:
+        raise BadInput("A length is between landmarks or marks, and this row names no landmark file.")
     preset = cells.get("preset") or "default"
     if preset.endswith(".toml"):
         preset = str(_file(base, preset, "preset"))
@@ -173,6 +180,7 @@ def _row(
             preset=preset,
             drawing=drawing,
             refine=YES_NO[_one_of("value of refine", cells.get("refine", "").lower(), tuple(YES_NO))],
+            length=length,
         ),
         answers=checked_answers(
             cells.get("frame"),

@@ -36,7 +36,6 @@ from breastrig.files.result import FIT_FILES, RESULT, RESULT_SCHEMA
 from breastrig.scan.images.dicom_files import may_hold_dicom, sha256_of, zip_of_folder
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.limits import FILE_BYTES, IMAGE_ZIP_BYTES
-from breastrig.scan.volumes.answers import VolumeAnswers
 
 SPARE = 8  # scans at most that wait beside the workers; a large cluster needs no more to be kept busy
 LOOK_S = 0.2  # between two looks whether to stop
@@ -201,17 +200,20 @@ def _inputs(batch: Batch, row: BatchRow, task: FitOfBytes) -> dict[str, Any]:
         "model_sha256": batch.model_sha256,
         "prior_sha256": _sha256(task.prior),
         "breastrig": __version__,
-    } | _said(task.answers, task.lesions)
+    } | _said(task)
 
 
-def _said(answers: VolumeAnswers, lesions: Sequence[bytes]) -> dict[str, Any]:
-    """A person's answers about volumes, and files of lesions, for the inputs' record; empty for other scans."""
+def _said(task: FitOfBytes) -> dict[str, Any]:
+    """A length, a person's answers about volumes, and files of lesions, for the inputs' record; empty without any."""
+    answers, lesions, length = task.answers, task.lesions, task.settings.length
     segments = {str(number): what for number, what in answers.segments.items()}
     said: dict[str, Any] = {"frame": answers.frame, "segments": segments} if answers else {}
     if answers.series is not None:
         said["series"] = answers.series
     if lesions:
         said |= {"lesions_sha256": [_sha256(each) for each in lesions], "same_place": answers.same_place}
+    if length is not None:
+        said["length"] = [length.start, length.end, length.mm]
     return said
 
 

@@ -1,9 +1,9 @@
 """`breastrig batch MANIFEST.csv -o DIR`: many scans, one row per fit.
 
-The first line of the manifest names its columns: scan, and any of landmarks, name, units, stance, preset, drawing,
-tumour (several split by blanks), refine (yes, or no for the model alone), of label maps frame and segments
-(2=lesion, several split by blanks), and of images series, lesions (files, split by |) and same_place, each as the
-option of `breastrig fit`.
+The first line of the manifest names its columns: scan, and any of landmarks, length (A|B|MM), name, units, stance,
+preset, drawing, tumour (several split by blanks), refine (yes, or no for the model alone), of label maps frame and
+segments (2=lesion, several split by blanks), and of images series, lesions (files, split by |) and same_place, each as
+the option of `breastrig fit`.
 DIR/NAME/ holds what `breastrig fit` writes; DIR/batch.csv has the numbers of all rows.  A batch that was interrupted
 goes on when it is called again: only rows that failed, are missing, or whose files or settings have changed are done.
 """

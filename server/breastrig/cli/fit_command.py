@@ -34,6 +34,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "MRI (DICOM: folder or zip), or a zip of one with its images",
     )
     parser.add_argument("--landmarks", type=Path, metavar="FILE", help="picked points: JSON, CSV, .pp or .mrk.json")
+    parser.add_argument(
+        "--length",
+        nargs=3,
+        metavar=("A", "B", "MM"),
+        help="straight way in mm between two landmarks or marks, as measured on the patient: scales the scan to it",
+    )
     add_scan_options(parser)
     parser.add_argument(
         "--lesions",
@@ -115,6 +121,7 @@ def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit]:
     return iterates(
         scan_source(options, cut or options.scan, options.lesions),
         options.landmarks,
+        length=options.length,
         stance=options.stance,
         preset=options.preset,
         drawing=None if options.drawing == "none" else options.drawing,

@@ -12,3 +12,12 @@ class Picks:
     confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of those that were proposed; absent: placed
     marks_mm: Points = field(default_factory=dict)  # places on the skin of any name: moles, dots, ends of pen lines
     open_names: bool = False  # whether points of names that no landmark has are marks, as in tables of other programs
+
+
+@dataclass(frozen=True)
+class Length:
+    """A straight length that was measured on the patient, between two landmarks or marks."""
+
+    start: str
+    end: str
+    mm: float

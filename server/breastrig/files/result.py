@@ -181,6 +181,15 @@ class ResultPatient(Document):
     scanned: date | None = Field(default=None, exclude_if=not_)
 
 
+class ResultScale(Document):
+    """How the scan got its true size; all else of the result is in it."""
+
+    factor: FiniteFloat = Field(gt=0.0, description="from the size of the scan's file to the true one")
+    between: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(description="two landmarks or marks")
+    mm: FiniteFloat = Field(gt=0.0, description="the straight way between them, as measured on the patient")
+    measured_mm: FiniteFloat = Field(gt=0.0, description="the same in the scan's file")
+
+
 class ResultMark(Document):
     """A named place on the skin: on the scan, and which point of the model's skin is there."""
 
@@ -283,6 +292,9 @@ class ResultFile(Document):
         "not picked",
     )
     landmarks_picked: dict[str, Three] = Field(description="as given, in the scan's frame and unit")
+    scale: ResultScale | None = Field(
+        None, exclude_if=not_, description="by which the scan was scaled to its true size; absent where it was not"
+    )
     marks: dict[str, ResultMark] = Field(
         {}, exclude_if=not_, description="named places on the skin beside the landmarks, by name; absent without any"
     )

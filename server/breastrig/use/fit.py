@@ -33,6 +33,7 @@ from breastrig.use.steps.events import Done, Event
 from breastrig.use.steps.outcome import FitOutcome, RecordedIterate, outcome_of, record, started
 from breastrig.use.steps.prepare import ReadyScan, check_prior, fit_plan, prepare_fit, read_model, scan_of_job
 from breastrig.use.steps.settings import FIRST, EarlierFit, FitJob, FitSettings
+from breastrig.use.steps.true_size import length_of
 from breastrig.use.values.fit_result import Fit, fit_of_outcome
 from breastrig.use.values.model import Model, Rig, files_of, public, with_cohort
 
@@ -162,6 +163,7 @@ def iterates(
     *,
     certain: Sequence[str] = (),
     marks: Mapping[str, ArrayLike] = NOTHING,
+    length: tuple[str, str, float] | None = None,
     units: str = "auto",
     stance: str = "auto",
     preset: Preset = "default",
@@ -197,6 +199,7 @@ def iterates(
             certain=picks.certain,
             marks_mm=picks.marks_mm,
             open_names=picks.open_names,
+            length=length_of(length),
             refine=refine,
             earlier=_earlier(start, stance, rig),
             locked=tuple(locked),
@@ -233,6 +236,9 @@ Args:
     certain: Names of landmarks that are always followed, besides those that the file names so.
     marks: Name -> (3,) place on the skin in the scan's unit and frame: moles, dots, ends of pen lines, under any names,
         besides those of the file.  `transfer` follows those that both scans have.
+    length: ("nipple_L", "suprasternal_notch", 187.0), two landmarks or marks and the straight way between them in mm,
+        as measured on the patient: the scan is scaled to it about its frame's origin, and all of the result is in that
+        size (`fit.result["scale"]`).  None: the scan has its true size.
     units: Of a path: auto, m, dm, cm, mm, in, ft.
     stance: auto, standing, supine or prone (of an MRI).
     preset: default, paper, the path of a TOML file, or a dict of what differs from the default or from

@@ -1317,6 +1317,8 @@ export type ResultFile = {
   landmarks_seen?: Record<string, string>;
   /** as given, in the scan's frame and unit */
   landmarks_picked: Record<string, [number, number, number]>;
+  /** by which the scan was scaled to its true size; absent where it was not */
+  scale?: ResultScale | null;
   /** named places on the skin beside the landmarks, by name; absent without any */
   marks?: Record<string, ResultMark>;
   /** marks that lie off the scan's skin */
@@ -1370,6 +1372,18 @@ export type ResultPatient = {
   /** by a person; otherwise it is random */
   given?: boolean;
   scanned?: string | null;
+};
+
+/** How the scan got its true size; all else of the result is in it. */
+export type ResultScale = {
+  /** from the size of the scan's file to the true one */
+  factor: number;
+  /** two landmarks or marks */
+  between: [string, string];
+  /** the straight way between them, as measured on the patient */
+  mm: number;
+  /** the same in the scan's file */
+  measured_mm: number;
 };
 
 export type ResultScan = {

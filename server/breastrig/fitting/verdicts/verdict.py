@@ -310,12 +310,14 @@ def judge(
     lesions: Sequence[BallInside] = (),
     unclear_stance: bool = False,
     contradicted: bool = False,
+    size_known: bool = False,
     repeats: Callable[[], bool] = lambda: False,
 ) -> Judged:
     """`clearness`: Start.margin; `repeats`: whether the landmarks are proposals that a person has only agreed to.
 
     `lesions`: that the scan shows inside; `contradicted`: whether scan or landmarks show the body another way round
     than its file says.  Where that is so, or a lesion lies outside, no place of the fit is known.
+    `size_known`: a length of the patient has given the scan its size, which is no question then.
     The stance is a question only where no landmarks place the fit: they are what moves the breasts.
     """
     rig, task, vertices = posterior.task.rig, posterior.task, posterior.state.vertices
@@ -332,7 +334,7 @@ def judge(
     corners = rig.faces[rig.landmark_points().faces]
     far = {name for name, at in zip(rig.landmark_names, corners, strict=True) if not near[at].any()}
     stance = (UNCLEAR_STANCE,) if unclear_stance and not given.on_their_own else ()
-    size = unusual_size(limits, rig, vertices, task.target, task.stance)
+    size = () if size_known else unusual_size(limits, rig, vertices, task.target, task.stance)
     turned = (CONTRADICTED,) if contradicted else ()
     asked = (*turned, *inside, *of_doubts(doubts, far), *stance, *size)
     lines = None if known is None else known.lines

@@ -38,6 +38,7 @@ from breastrig.files.result import (
     ResultLesion,
     ResultMark,
     ResultParameters,
+    ResultScale,
     ResultScan,
     ResultWall,
     Unit,
@@ -142,6 +143,7 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         landmarks={name: _rounded(place / per_unit) for name, place in (model_landmarks | seen).items()},
         landmarks_seen={name: each.reason for name, each in outcome.seen.items()},
         landmarks_picked={name: _rounded(place / per_unit) for name, place in plan.landmarks.items()},
+        scale=_scale(outcome),
         marks=_marks(outcome),
         marks_asked=_marks_asked(outcome),
         areolae=areolae_document(outcome.areolae, per_unit),
@@ -180,6 +182,16 @@ def _distances(found: FoundDistances, model: Mapping[str, Array], picked: Mappin
         "scan_to_model_mm": summary_mm(found.scan),
         "landmark_distance_mm": landmark_summary_mm(model, picked),
     }
+
+
+def _scale(outcome: FitOutcome) -> ResultScale | None:
+    size = outcome.ready.plan.size
+    if size is None:
+        return None
+    between = [size.length.start, size.length.end]
+    return ResultScale(
+        factor=round(size.factor, 9), between=between, mm=size.length.mm, measured_mm=round(size.measured_mm, 4)
+    )
 
 
 def _marks(outcome: FitOutcome) -> dict[str, ResultMark]:

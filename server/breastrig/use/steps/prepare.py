@@ -12,7 +12,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.clock import Clock
 from breastrig.core.errors import BadLandmarks, BadSettings, unknown_name, unknown_names
-from breastrig.core.picks import Picks
+from breastrig.core.picks import Length, Picks
 from breastrig.core.stances import AUTO, STANCES
 from breastrig.core.units import BEYOND, distance_text
 from breastrig.correspondence.target import ScanTarget
@@ -41,10 +41,12 @@ from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.scan.hand_cuts import without_hand_cuts
 from breastrig.scan.landmarks.landmark_files import checked_certain
 from breastrig.scan.landmarks.marks import listed, with_marks
+from breastrig.scan.landmarks.names import known_name
 from breastrig.scan.orient import NOT_AS_STATED
 from breastrig.scan.read import coloured_scan
 from breastrig.scan.scan import Scan
 from breastrig.use.steps.settings import FIRST, EarlierFit, FitJob, FitSettings
+from breastrig.use.steps.true_size import TrueSize, in_true_size, true_size
 
 ALL_EXCHANGED = "Left and right of the landmarks look exchanged, or the scan is mirrored; none of them was followed."
 SHOWN_BY_COLOUR = 0.74  # confidence; on 98 scans form proposed none surer than 0.72, colour none less sure than 0.75
@@ -116,6 +118,7 @@ class FitPlan:
     unsure: tuple[str, ...]  # those of both that were proposed
     marks: dict[str, Array]  # places of any name on the skin, m, in the scan's frame
     taken_as_marks: tuple[str, ...]  # those of them that stood among the landmarks
+    size: TrueSize | None  # by which the scan is scaled, as landmarks and marks are here; None: it has its true size
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +165,9 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
         block(rig, name)
     given = Picks(landmarks_mm, settings.certain, settings.landmark_confidence, settings.marks_mm, settings.open_names)
     landmarks, marks, picks = checked_picks(rig, given)
+    size = _size(settings.length, rig, landmarks | marks, named)
+    if size is not None:
+        landmarks, marks = ({name: size.factor * at for name, at in each.items()} for each in (landmarks, marks))
     confidence = picks.confidence
     settings = replace(settings, drawing=named, landmark_confidence=confidence, certain=picks.certain)
     checked_certain(settings.certain, landmarks, confidence)
@@ -170,7 +176,18 @@ def fit_plan(settings: FitSettings, rig: Rig, landmarks_mm: dict[str, list[float
     unsure = tuple(name for name in landmarks if confidence.get(name, 1.0) < 1.0)
     unchecked = {name: landmarks[name] for name in proposed}
     taken = tuple(name for name in marks if name not in settings.marks_mm)
-    return FitPlan(settings, rig, recipe, drawing, picked, unchecked, unsure, marks, taken)
+    return FitPlan(settings, rig, recipe, drawing, picked, unchecked, unsure, marks, taken, size)
+
+
+def _size(length: Length | None, rig: Rig, places: dict[str, Array], drawing: str | None) -> TrueSize | None:
+    """The scan's true size by the length; BadInput says what is wrong."""
+    if length is None:
+        return None
+    if drawing is not None and "tumour_at:" in drawing:
+        raise BadSettings("A place at:X,Y,Z has the file's size; where a length scales the scan give it by the clock.")
+    words = landmark_words(rig)
+    start, end = (name if name in places else known_name(name, words) for name in (length.start, length.end))
+    return true_size(Length(start, end, length.mm), places)
 
 
 def _only_proposed(landmarks: Collection[str], confidence: Mapping[str, float]) -> frozenset[str]:
@@ -205,6 +222,7 @@ def prepare_fit(plan: FitPlan, scan: Scan, clock: Clock) -> ReadyScan:
     """Cleans and indexes the scan, and finds the start; a BadInput says what is wrong."""
     clock.lap()
     settings, rig, landmarks, earlier = plan.settings, plan.rig, plan.landmarks, plan.settings.earlier
+    scan = scan if plan.size is None else in_true_size(scan, plan.size)
     orientation = orientation_from(settings.orientation, rig)
     wished = earlier.stance if earlier is not None and settings.stance == AUTO else settings.stance
     prepared = prepared_scan(scan, wished, None if orientation is None else orientation.frame)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from breastrig.core.picks import Length
 from breastrig.core.stances import AUTO
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 
@@ -32,6 +33,7 @@ class FitSettings:
     certain: tuple[str, ...] = ()  # picks that are followed whatever all else says
     marks_mm: dict[str, list[float]] = field(default_factory=dict)  # as landmarks_mm, of any names
     open_names: bool = False  # landmarks of names that the model has not are marks
+    length: Length | None = None  # that the scan is scaled to; None: it has its true size
     refine: bool = True  # a free-form layer on top, which follows the skin that the scan shows
     earlier: EarlierFit | None = None  # None: the start is found from landmarks and scan
     locked: tuple[str, ...] = ()  # blocks of the unknowns that stay where they start (rig/blocks.py)

@@ -1,0 +1,139 @@
+"""Scans scaled to a length that was measured on the patient: the result is that of a scan of the true size."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+import breastrig
+from breastrig.cli.main import main
+from breastrig.core.assets import asset_folder
+from breastrig.core.errors import BadLandmarks
+from breastrig.core.picks import Length
+from breastrig.scan.landmarks.landmark_files import read_landmarks
+from breastrig.use.steps.true_size import length_of, true_size
+
+EXAMPLE = asset_folder("example")
+SMALL = 0.95
+ENDS = ("nipple_L", "suprasternal_notch")
+
+
+def places(stance: str) -> dict[str, np.ndarray]:
+    return read_landmarks(EXAMPLE / stance / "landmarks.json")[0]
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The standing example as an app has it that is 5 % too small, with its landmarks, mm."""
+    folder = tmp_path_factory.mktemp("small")
+    scan = trimesh.load(EXAMPLE / "standing" / "scan.ply", process=False)
+    scan.apply_scale(SMALL)
+    (folder / "scan.ply").write_bytes(scan.export(file_type="ply"))
+    picks = {name: (SMALL * place).tolist() for name, place in places("standing").items()}
+    (folder / "landmarks.json").write_text(json.dumps({"landmarks": picks, "unit": "mm"}))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def length() -> float:
+    """Of her, mm."""
+    return float(np.linalg.norm(places("standing")[ENDS[0]] - places("standing")[ENDS[1]]))
+
+
+@pytest.fixture(scope="module")
+def fits(small: Path, length: float) -> tuple[breastrig.Fit, breastrig.Fit]:
+    """Of the scan of the true size, and of the small one with her length."""
+    true = breastrig.fit(EXAMPLE / "standing" / "scan.ply", EXAMPLE / "standing" / "landmarks.json")
+    return true, breastrig.fit(small / "scan.ply", small / "landmarks.json", length=(*ENDS, length))
+
+
+@pytest.mark.slow
+def test_a_scaled_scan_is_fitted_as_one_of_the_true_size(fits: tuple[breastrig.Fit, breastrig.Fit]) -> None:
+    true, scaled = fits
+    mm = 1e3 * true.metres_per_unit
+    assert mm * np.linalg.norm(scaled.vertices - true.vertices, axis=1).max() < 0.5
+    assert mm * np.linalg.norm(scaled.scan_vertices - true.scan_vertices, axis=1).max() < 0.01
+    for name, place in true.picked.items():
+        np.testing.assert_allclose(scaled.picked[name], place, atol=0.01 / mm)
+    assert scaled.line_error_mm == pytest.approx(true.line_error_mm, abs=0.1)
+    assert "scale" not in true.result
+
+
+@pytest.mark.slow
+def test_the_result_says_by_how_much(fits: tuple[breastrig.Fit, breastrig.Fit], length: float) -> None:
+    found = fits[1].result["scale"]
+    assert found["factor"] == pytest.approx(1.0 / SMALL, abs=1e-4)
+    assert (found["between"], found["mm"]) == (list(ENDS), length)
+    assert found["measured_mm"] == pytest.approx(SMALL * length, abs=0.01)
+    [note] = [each for each in fits[1].notes if each.startswith("Scaled by 1.053: ")]
+    assert note.endswith("All results are in this size.")
+
+
+@pytest.mark.slow
+def test_lines_are_right_where_only_one_of_two_scans_is_scaled(
+    fits: tuple[breastrig.Fit, breastrig.Fit],
+) -> None:
+    supine = breastrig.fit(EXAMPLE / "supine" / "scan.ply", EXAMPLE / "supine" / "landmarks.json")
+    drawn = [breastrig.transfer(fit, supine).lines for fit in fits]
+    for of_true, of_scaled in zip(*drawn, strict=True):
+        gaps = gaps_to(of_true.points, of_scaled.points)
+        assert 1e3 * supine.metres_per_unit * gaps.max() < 1.5
+    back = breastrig.transfer(supine, fits[1], supine.drawing.lines)
+    assert back.unit == fits[1].unit
+    on_skin = [line.points[~np.asarray(line.bridged)] for line in back.lines]
+    nearest = [gaps_to(points, fits[1].scan_vertices).max() for points in on_skin]
+    assert 1e3 * fits[1].metres_per_unit * max(nearest) < 12.0  # on the scaled scan's skin, between its vertices
+
+
+def gaps_to(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(M,) from each point to the nearest of the others."""
+    return np.asarray(np.linalg.norm(points[:, None] - others, axis=2).min(axis=1))
+
+
+@pytest.mark.slow
+def test_the_command_line_takes_the_length(small: Path, length: float, tmp_path: Path, capsys) -> None:
+    command = ["fit", str(small / "scan.ply"), "--landmarks", str(small / "landmarks.json"), "--no-refine"]
+    assert main([*command, "--length", *ENDS, f"{length}", "-o", str(tmp_path / "out")]) == 0
+    assert "Scaled by 1.053" in capsys.readouterr().err
+    result = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert result["scale"]["factor"] == pytest.approx(1.0 / SMALL, abs=1e-4)
+    assert main([*command, "--length", "nose", ENDS[1], "180", "-o", str(tmp_path / "no")]) == 2
+    assert 'The length ends at "nose", no landmark or mark of this scan' in capsys.readouterr().err
+    assert not (tmp_path / "no").exists()
+
+
+@pytest.mark.slow
+def test_the_size_is_no_doubt_any_more(tmp_path: Path) -> None:
+    """A body a quarter too large is asked about, but not where a length gave it its size."""
+    large = trimesh.load(EXAMPLE / "standing" / "scan.ply", process=False)
+    large.apply_scale(1.2)
+    (tmp_path / "scan.ply").write_bytes(large.export(file_type="ply"))
+    picks = {name: 1.2e-3 * place for name, place in places("standing").items()}
+    plain = breastrig.fit(tmp_path / "scan.ply", picks, units="m", refine=False)
+    mm = 1e3 * float(np.linalg.norm(picks[ENDS[0]] - picks[ENDS[1]]))
+    known = breastrig.fit(tmp_path / "scan.ply", picks, units="m", refine=False, length=(*ENDS, mm))
+    assert any(reason.startswith("The trunk is ") for reason in plain.verdict.reasons)
+    assert not any(reason.startswith("The trunk is ") for reason in known.verdict.reasons)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        (("a", "b"), "A length is two names and millimetres"),
+        ("a b 187", "A length is two names and millimetres"),
+        (("a", 2.0, 187.0), "A length is two names and millimetres"),
+        (("a", "b", "long"), 'must be a number of millimetres above 0, not "long"'),
+        (("a", "b", -187.0), "must be a number of millimetres above 0"),
+        (("a", "b", float("nan")), "must be a number of millimetres above 0"),
+        (("a", "b", "1e9"), "must be a number of millimetres above 0"),
+        (("a", "a", 187.0), "A length has two ends, and both are a"),
+        (("a", "c", 187.0), r'The length ends at "c", no landmark or mark of this scan; there are: a, b\.'),
+        (("a", "b", 18.7), "it is 100 mm in the scan, but 18.7 were given; are the scan's unit and the millimetres"),
+        (("a", "b", 126.0), "it is 100 mm in the scan, but 126 were given"),
+    ],
+)
+def test_a_length_that_cannot_be_meant_is_refused_in_one_sentence(given, says: str) -> None:
+    with pytest.raises(BadLandmarks, match=says):
+        true_size(length_of(given) or Length("", "", 0.0), {"a": np.zeros(3), "b": np.array([0.1, 0.0, 0.0])})
