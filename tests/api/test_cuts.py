@@ -81,7 +81,6 @@ def test_a_fit_says_with_which_cuts_it_was_made(
     job = job_of(case, scan, find_fit(case, after).document, tmp_path, None)
     assert job.cuts == (CUT,)
     assert job.orientation is None, "that was found with what is cut"
-    until(lambda: client.get(f"/api/fits/{after}").json["state"] == "done", "the fit")
 
 
 def test_proposals_are_made_once_and_are_those_of_the_scan_as_it_is_cut(

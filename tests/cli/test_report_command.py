@@ -191,15 +191,6 @@ def test_the_plan_is_shown_with_its_numbers(fits: dict[str, Path], tmp_path: Pat
 
 
 @pytest.mark.usefixtures("quick_reports")
-def test_the_same_stance_twice_gets_letters(fits: dict[str, Path], tmp_path: Path) -> None:
-    assert main(["report", str(fits["supine"]), "--with", str(fits["supine"]), "-o", str(tmp_path)]) == 0
-    rows = document(tmp_path, "report.json")["measures"]
-    assert {row["stance"] for row in rows} == {"supine A", "supine B", "supine B - supine A"}
-    change = [row for row in rows if row["stance"] == "supine B - supine A"]
-    assert all(row[cell] in (None, 0.0) for row in change for cell in ("left", "right", "value"))
-
-
-@pytest.mark.usefixtures("quick_reports")
 def test_the_folder_of_two_stances_fitted_together_is_enough(
     report: Path, fits: dict[str, Path], tmp_path: Path
 ) -> None:

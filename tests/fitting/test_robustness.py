@@ -6,12 +6,7 @@ moves on the chest and breasts, which every spoilt scan still shows somewhere.
 
 import numpy as np
 import pytest
-import trimesh
-from helpers.damage import TIMES
 from helpers.example_patient import Patient, example_patient
-
-from breastrig.rig.skinning import pose
-from breastrig.scan.clean import compact
 
 pytestmark = pytest.mark.long
 
@@ -64,23 +59,6 @@ def test_two_thousand_triangles_are_enough(patient: Patient) -> None:
     coarse = inverse[patient.faces][solid][faces]
     assert len(coarse) < 2500
     assert patient.moved_mm(merged, coarse) < 2.5
-
-
-@pytest.mark.slow
-def test_finer_triangles_change_nothing(patient: Patient) -> None:
-    """Sixty thousand of them; in `make fuzz` a million."""
-    splits = 3 if TIMES >= 1 else 1  # of each into four
-    facing = np.cross(*(patient.vertices[patient.faces[:, k]] - patient.vertices[patient.faces[:, 0]] for k in (1, 2)))
-    front = patient.faces[facing[:, 2] > 0.2 * np.linalg.norm(facing, axis=1)]
-    chest = (patient.landmarks["nipple_L"] + patient.landmarks["nipple_R"]) / 2
-    away = np.linalg.norm(patient.vertices[front].mean(axis=1) - chest, axis=1)
-    near = front[np.argsort(away)[:15_625]]
-    vertices, faces = compact(patient.vertices, near)
-    coarse = pose(patient.rig, patient.parameters(vertices, faces))
-    for _ in range(splits):
-        vertices, faces = trimesh.remesh.subdivide(vertices, faces)
-    gap = np.linalg.norm(pose(patient.rig, patient.parameters(vertices, faces)) - coarse, axis=1)
-    assert gap[patient.chest].mean() < 0.0005
 
 
 def test_mixed_winding_changes_nothing(patient: Patient, rng: np.random.Generator) -> None:

@@ -117,25 +117,8 @@ def upload(folder: Path) -> None:
     read_upload(UploadJob(scan=EXAMPLE / "scan.ply", units="auto", triangles=10**6, **names))
 
 
-def batch_row(folder: Path) -> None:
-    """The second fit of a worker of a batch: what is derived of the model alone is there."""
-    from breastrig.batch.task import FitOfBytes, fit_of_bytes, measured_fit
-    from breastrig.use.steps.settings import FitSettings
-
-    task = FitOfBytes(
-        scan=(EXAMPLE / "scan.ply").read_bytes(),
-        ending=".ply",
-        landmarks=(EXAMPLE / "landmarks.json").read_bytes(),
-        landmarks_ending=".json",
-        settings=FitSettings(),
-    )
-    fit_of_bytes(task, measured_fit)
-    count_from_here()
-    fit_of_bytes(task, measured_fit)
-
-
 def second_fit(folder: Path) -> None:
-    """The second `breastrig.fit` of a program, with its files: as a row of a batch without its measures."""
+    """The second `breastrig.fit` of a program, or the second row of a batch, with its files."""
     import breastrig
 
     breastrig.fit(EXAMPLE / "scan.ply", EXAMPLE / "landmarks.json").save(folder / "first")
@@ -163,7 +146,7 @@ def drag(folder: Path) -> None:
     assert moved_landmarks("fit", picks) is not None
 
 
-TASKS = {each.__name__: each for each in (command, upload, batch_row, second_fit, drag)}
+TASKS = {each.__name__: each for each in (command, upload, second_fit, drag)}
 
 
 def main(name: str) -> None:

@@ -38,15 +38,6 @@ def shown(stance: Stance, name: str = "standing", **changes: object) -> Reported
     return Reported(name, stance, result_file(**changes), measures(stance))
 
 
-def test_a_rig_without_breasts_and_a_fit_without_landmarks(toy_stance: Stance) -> None:
-    text = words(report_pdf([shown(toy_stance)]))
-    assert "Nothing is planned on this scan." in text
-    assert "none: the scan shows no skin near the model" in text
-    assert "no landmarks were picked" in text
-    assert "Measured from the model's own place: suprasternal notch, nipple on both sides." in text
-    assert "Volume" not in text.partition("How it was measured")[0]
-
-
 def test_every_page_says_whose_it_is_of_when_and_has_room_for_a_signature(toy_stance: Stance) -> None:
     made = datetime(2026, 11, 25, 14, 30, 5, tzinfo=UTC)
     identity = Identity("K7M-4QX", made, ("2026-11-20", "2026-11-21"), True, "2026-11-24", 3)
@@ -73,13 +64,6 @@ def test_every_page_says_whose_it_is_of_when_and_has_room_for_a_signature(toy_st
     assert all(f"Remark {k}." in " ".join(texts) for k in range(99))
     reader = pypdf.PdfReader(io.BytesIO(content))
     assert reader.metadata.creation_date == made
-
-
-def test_what_is_not_known_of_the_identity_is_left_to_be_filled_in(toy_stance: Stance) -> None:
-    content = report_pdf([shown(toy_stance)])
-    assert "standing, scanned" in words(content)
-    metadata = pypdf.PdfReader(io.BytesIO(content)).metadata
-    assert metadata is None or metadata.creation_date is None
 
 
 def test_a_fit_to_be_checked_is_marked_as_such_on_every_page_in_whatever_letters(toy_stance: Stance) -> None:
@@ -134,18 +118,6 @@ def test_each_lesion_has_its_numbers_and_slices_for_each_stance(toy_stance: Stan
         "to Cut 9 mm, 5 to 13 its place as given axial supine radius 6.5 mm to the skin 12 mm, 8 to 17 "
         "its place ± 9 mm The scan shows no skin next to it: its depth is the model's guess. axial" in text
     )
-
-
-def test_unusual_picks_stand_among_the_doubts(toy_stance: Stance) -> None:
-    unusual = [{"names": ["nipple_L"], "reason": "nipple_L is unusual: 30 mm from where others have it."}]
-    missing = ["Not drawn: Wise pattern. Choose shorter limbs (limb_mm); not where nipple_R lies."]
-    one = shown(toy_stance, landmarks_unusual=unusual, drawing_missing=missing)
-    text = words(report_pdf([one]))
-    assert text.count("Left nipple is unusual: 30 mm from where others have it.") == 1
-    assert text.count("Not drawn: Wise pattern. Choose shorter limbs; not where right nipple lies.") == 1
-    assert report_document([one])["stances"][0]["landmarks_unusual"] == unusual
-    planned = replace(one, plan=(PlannedItem("n", "Note", text="Keep the scar."),))
-    assert "Not drawn" not in words(report_pdf([planned]))  # that was of what the plan stands for now
 
 
 def test_each_landmark_has_its_source_its_distance_and_the_radius_that_holds_its_true_place(toy_stance: Stance) -> None:

@@ -283,17 +283,6 @@ def test_proposals_are_landmarks_with_a_confidence(
 
 
 @pytest.mark.slow
-def test_what_is_only_proposed_is_no_evidence(scan: breastrig.Scan, proposed: dict[str, breastrig.Proposal]) -> None:
-    """It comes from the same scan: counted again, it would make a fit no better and its errors look small."""
-    alone, given = breastrig.fit(scan, drawing=None), breastrig.fit(scan, proposed, drawing=None)
-    np.testing.assert_array_equal(given.vertices, alone.vertices)
-    assert given.result["landmark_uncertainty_mm"] == alone.result["landmark_uncertainty_mm"]
-    assert given.picked == {}
-    note = f"{len(proposed)} landmarks are as proposed from this scan, and did not pull at the fit."
-    assert given.notes == (*alone.notes, note)
-
-
-@pytest.mark.slow
 def test_beside_picks_only_those_proposals_count_that_colour_shows(scan: breastrig.Scan) -> None:
     places, _ = read_landmarks(PICKS)
     picks = {

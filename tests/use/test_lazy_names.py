@@ -34,16 +34,6 @@ def test_importing_the_package_loads_nothing_of_weight(tmp_path: Path) -> None:
     assert {name for name in loaded if name.startswith("breastrig.")} == {"breastrig.core", "breastrig.core.version"}
 
 
-@pytest.mark.slow
-def test_a_whole_fit_needs_neither_server_nor_database_and_writes_nothing_by_itself(tmp_path: Path) -> None:
-    code = f"import breastrig\nfit = breastrig.fit({SCAN!r}, {PICKS!r})\nbreastrig.measure(fit)"
-    loaded = modules_after(code, tmp_path)
-    assert list(tmp_path.iterdir()) == []
-    assert "numpy" in loaded
-    assert not loaded & {"flask", "apiflask", "uvicorn", "matplotlib"}
-    assert not {name for name in loaded if name.startswith(("breastrig.service", "breastrig.storage", "breastrig.api"))}
-
-
 def test_every_name_is_found_listed_and_loaded_once() -> None:
     assert set(breastrig.__all__) <= set(dir(breastrig))
     assert sorted(breastrig.__all__) == breastrig.__all__

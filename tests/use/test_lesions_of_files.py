@@ -8,7 +8,7 @@ from helpers.example_image import LANDMARKS, LESIONS, example_image
 
 import breastrig
 from breastrig.core.assets import asset_folder
-from breastrig.core.errors import BadScan, NotFound
+from breastrig.core.errors import BadScan
 
 pytestmark = pytest.mark.slow
 
@@ -38,27 +38,3 @@ def test_a_scan_of_no_image_takes_none() -> None:
         breastrig.fit(asset_folder("example") / "standing" / "scan.ply", lesions=[LESIONS])
     with pytest.raises(BadScan, match="no scan file"):
         breastrig.read_scan(LESIONS).with_lesions("nothing.nii")
-
-
-def test_a_case_has_them_in_its_plan(image: Path, tmp_path: Path) -> None:
-    case = breastrig.Case.create(tmp_path / "hers")
-    scan = case.add_scan(image)
-    assert (case.scans[0].folder / "volume.npz").is_file()
-    first = case.add_lesions(scan, LESIONS)
-    assert [(each.name, each.is_new) for each in first.lesions] == [("Lesion 1", True), ("Lesion 2", True)]
-    assert first.notes
-    again = case.add_lesions(scan, LESIONS)
-    assert [each.is_new for each in again.lesions] == [False, False]
-    items = case.plan()["items"]
-    assert [(each["kind"], each["name"], each["scan"]) for each in items] == [
-        ("lesion", "Lesion 1", scan), ("lesion", "Lesion 2", scan),
-    ]  # fmt: skip
-    assert items[0]["center"] == pytest.approx(first.lesions[0].center.tolist())
-    surface = case.add_scan(asset_folder("example") / "standing" / "scan.ply")
-    with pytest.raises(BadScan, match="made of no image"):
-        case.add_lesions(surface, LESIONS)
-    with pytest.raises(NotFound):
-        case.add_lesions("A" * 22, LESIONS)
-    case.delete_scan(scan)
-    assert case.plan()["items"] == []
-    assert list(tmp_path.rglob("volume.npz")) == []

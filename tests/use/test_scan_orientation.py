@@ -12,17 +12,12 @@ from helpers.toy_rig import toy_rig
 
 import breastrig.fitting.starts.orientation as orientation_module
 import breastrig.use.fit as run_fit_module
-import breastrig.use.read_upload as read_upload_module
 from breastrig.core.assets import asset_folder
 from breastrig.fitting import hypotheses, prepare_scan, propose, solve
-from breastrig.fitting import prepare_scan as kept_scan
 from breastrig.fitting.task import FitIterate, FitTask
-from breastrig.geometry.rays import RayCaster
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.write_rig import write_rig
-from breastrig.report.pictures import thumbnail_png
-from breastrig.scan import background
-from breastrig.scan.clean import Surface
+from breastrig.scan.around import background
 from breastrig.scan.hand_cuts import HandCut, cut_triangles
 from breastrig.scan.read import read_scan
 from breastrig.use.fit import run_fit
@@ -167,33 +162,6 @@ def test_an_upload_is_read_with_the_model_that_is_served_and_another_model_looks
     calls.update(fits=0, fronts=0, starts=0)
     propose_on_file(ProposeJob(EXAMPLE / "scan.ply", "ply", "m", None, facts["orientation"]))
     assert calls["fronts"] == calls["starts"] == 1
-
-
-def test_the_small_picture_is_the_same_with_the_rays_of_the_fit(
-    bare: dict[str, Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    made: list[bytes] = []
-
-    def with_and_without(surface: Surface, frame: dict, rays: RayCaster | None) -> bytes:
-        assert rays is not None
-        made.extend(thumbnail_png(surface, frame, some) for some in (rays, None))
-        return made[0]
-
-    monkeypatch.setattr(read_upload_module, "thumbnail_png", with_and_without)
-    upload(bare["standing"], tmp_path)
-    assert made[0] == made[1]
-
-
-@pytest.mark.slow
-def test_a_command_line_proposal_reads_prepares_and_orients_once(
-    calls: dict[str, int], bare: dict[str, Path], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    cleaned: list[int] = []
-    of_clean = kept_scan.clean
-    monkeypatch.setattr(kept_scan, "clean", lambda scan: cleaned.append(1) or of_clean(scan))
-    propose_on_file(ProposeJob(bare["standing"], "ply", "m"))
-    assert calls == {"fits": 1, "fronts": 1, "starts": 1}
-    assert cleaned == [1]
 
 
 @pytest.mark.slow

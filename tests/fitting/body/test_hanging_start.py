@@ -70,15 +70,6 @@ def test_nipples_of_breasts_that_hang_are_found_without_landmarks(rig: Rig) -> N
     assert len(twice) > len(once)
 
 
-def test_a_fit_of_other_breasts_is_what_it_is_without_looking(rig: Rig) -> None:
-    recipe = load_recipe("default")
-    looked, _ = fitted(rig, Numbers(), recipe)
-    without, _ = fitted(rig, Numbers(), recipe.model_copy(update={"hanging": None}))
-    assert len(looked) == len(without)
-    for a, b in zip(looked, without, strict=True):
-        np.testing.assert_array_equal(pose(rig, a.parameters), pose(rig, b.parameters))
-
-
 def test_skin_that_faces_down_is_unexplained_on_its_own_side_only(rig: Rig) -> None:
     """A model that hangs on the left is looked at with one that does not, and with itself."""
     rest = rest_parameters(rig)

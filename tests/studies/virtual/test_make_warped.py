@@ -1,6 +1,5 @@
 """Warped bodies as files: read as a cohort, byte for byte the same again, independent of each other, parts cut."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,56 +8,14 @@ import pytest
 
 from breastrig.cli.main import main
 from breastrig.core.errors import BadInput
-from breastrig_studies.cohort import read_cohort
 from breastrig_studies.virtual.bodies import VirtualBody
 from breastrig_studies.virtual.case_files import write_case, write_json
 from breastrig_studies.virtual.scan import SimulatedScan
-from breastrig_studies.virtual.warped import captures as captures_module
 from breastrig_studies.virtual.warped import make as make_module
 from breastrig_studies.virtual.warped import make_warped
-from breastrig_studies.virtual.warped.make import names_of
 from breastrig_studies.virtual.warped.sources import read_sources
 
 pytestmark = pytest.mark.long
-
-FILES = ("scan.ply", "truth.ply", "landmarks.json", "case.json")
-
-
-@pytest.fixture
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few views and large voxels: the files are looked at here, not the scan."""
-    monkeypatch.setattr(captures_module, "EVERY", 16)
-    monkeypatch.setattr(captures_module, "VOXEL", 0.015)
-    monkeypatch.setattr(captures_module, "POOR_VOXEL", 0.018)
-
-
-@pytest.mark.usefixtures("quick")
-def test_a_body_is_the_same_alone_and_again_and_then_stays(tmp_path: Path) -> None:
-    said: list[str] = []
-    make_warped(tmp_path / "both", said.append, bodies=2)
-    make_warped(tmp_path / "validation", said.append, bodies=2, half="validation")
-    assert len(said) == 6
-    cases = read_cohort(tmp_path / "both")
-    assert [case.patient for case in cases] == ["warped_000_development"] * 2 + ["warped_001_validation"] * 2
-    assert {case.unit for case in cases} == {"m", "mm"}
-    assert {case.family for case in cases} == {"makehuman"}
-    (name,) = names_of(2, "validation")
-    assert [each.name for each in (tmp_path / "validation").iterdir()] == [name]
-    for file in ("patient.json", *(f"{stance}/{file}" for stance in ("standing", "supine") for file in FILES)):
-        assert (tmp_path / "both" / name / file).read_bytes() == (tmp_path / "validation" / name / file).read_bytes()
-    about = json.loads((tmp_path / "both" / name / "patient.json").read_text("utf-8"))
-    assert (about["half"], about["family"], about["virtual"]) == ("validation", "makehuman", True)
-    assert about["numbers"]["bumps"]
-    assert {case.hanging for case in cases if case.patient == name} == {
-        about["numbers"]["nipples_over_folds"] is not None
-    }
-    case = json.loads((tmp_path / "both" / name / "supine" / "case.json").read_text("utf-8"))
-    assert (case["half"], case["capture"]) == (about["half"], about["capture"])
-    assert set(case["landmark_gap_mm"]) == set(
-        json.loads((tmp_path / "both" / name / "supine" / "landmarks.json").read_text("utf-8"))["landmarks"]
-    )
-    make_warped(tmp_path / "both", said.append, bodies=2)
-    assert len(said) == 6
 
 
 def test_two_of_five_bodies_of_each_half_are_independent_where_there_are_such_sources() -> None:
