@@ -46,11 +46,8 @@ def found(made: MrImage) -> skin_of_image.ImageSkin:
     [
         ("plain", 0.8),
         ("fat suppressed", 1.5),
-        ("motion ghosts", 0.8),
         ("visible board", 0.8),
         ("one coil half at 30 %", 1.2),
-        ("air set to 0", 0.8),
-        ("one side", 0.8),
         ("all of the back", 1.2),
     ],
 )
