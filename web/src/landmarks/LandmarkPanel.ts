@@ -10,7 +10,7 @@ import type { Panel } from "../ui/Panel";
 import type { LandmarkActions } from "./actions";
 import { isCertain } from "./certain";
 import { createMarkList } from "./marks/MarkList";
-import type { MarksSlice } from "./marks/marks";
+import type { AskedOfMarks, MarksSlice } from "./marks/marks";
 import { LANDMARK_ENDINGS, partnerOf, plainLabel, sideOf } from "./picks";
 import { onlyAgreed } from "./proposals/agreed";
 import { errorOf, isLikely, isSeen, type OpenProposal, openProposals } from "./proposals/proposals";
@@ -20,7 +20,7 @@ import { type Asked, askedNames, openQuestions, type Question } from "./question
 import type { LandmarksSlice } from "./state";
 import * as text from "./text";
 
-type Shown = Pick<PageSlice & ScanSlice & LandmarksSlice & MarksSlice, "meta" | "problems" | "scan" | "picks" | "certain" | "proposals" | "skipped" | "active" | "saving" | "beside"> & Pick<Asked, "fit">;
+type Shown = Pick<PageSlice & ScanSlice & LandmarksSlice & MarksSlice, "meta" | "problems" | "scan" | "picks" | "certain" | "proposals" | "skipped" | "active" | "saving" | "beside"> & Pick<Asked, "fit"> & AskedOfMarks;
 
 export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSearch, dismiss: () => void): Panel<Shown> {
   const rows = el("ol", { class: "landmarks" });
@@ -56,7 +56,7 @@ export function createLandmarkPanel(actions: LandmarkActions, search: ProposalSe
   const made = new Map<string, ReturnType<typeof makeRow>>();
   return {
     element,
-    select: only("meta", "problems", "scan", "picks", "certain", "proposals", "skipped", "active", "saving", "beside", "fit"),
+    select: only("meta", "problems", "scan", "picks", "certain", "proposals", "skipped", "active", "saving", "beside", "fit", "drawn"),
     update(session: Shown): void {
       state = session;
       const list = session.meta?.landmarks ?? [];

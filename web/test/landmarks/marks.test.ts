@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { FitState } from "../../src/fit/state";
 import { fileOf } from "../../src/landmarks/keeper";
-import { freeMark, listedMarks, nextBeside } from "../../src/landmarks/marks/marks";
+import { askedOfMarks, freeMark, listedMarks, nextBeside } from "../../src/landmarks/marks/marks";
 import { frameFromPicks, nextMissing, onWrongSide, type Picks, picksOf, placesOf, renamed, sideOf } from "../../src/landmarks/picks";
 import { pickCount } from "../../src/landmarks/state";
 import { picksSaid } from "../../src/landmarks/text";
@@ -27,6 +27,14 @@ test("a mark is no landmark: it is not counted, wanted, exchanged or asked for t
   expect(frameFromPicks(named)).toBeNull();
   expect(nextMissing([], named, new Set())).toBeNull();
   expect(picksSaid({}, { "mark:mole": [1, 2, 3] }, [])).toBe("placed mark \u201cmole\u201d");
+});
+
+test("what is asked about a mark is said by its name, as long as it is on the scan", () => {
+  const plan = { marks: [{ asked: [{ name: "mole", says: "Is it the same place?" }, { name: "gone", says: "And this?" }] }] };
+  const fit = { result: { marks_asked: [{ names: ["dot"], reason: "It lies off the skin." }] } } as never;
+  const asked = askedOfMarks({ fit, drawn: { onScan: { plan } } }, { ...picks, "mark:dot": [0, 0, 0] });
+  expect([...asked]).toEqual([["mark:mole", "Is it the same place?"], ["mark:dot", "It lies off the skin."]]);
+  expect(askedOfMarks({ fit: null, drawn: { onScan: null } }, picks).size).toBe(0);
 });
 
 test("a new mark is called as none is on either scan; a renamed one keeps its place in the list", () => {

@@ -7,7 +7,7 @@ import type { ScanSlice } from "../../scan/state";
 import type { PageSlice } from "../../store/page";
 import { only } from "../../store/store";
 import { button, fileButton, iconButton, problem } from "../../ui/controls";
-import { el, fill, setText, show } from "../../ui/dom";
+import { el, fill, icon, setText, show } from "../../ui/dom";
 import { createMenu, menuItem } from "../../ui/menu";
 import type { Panel } from "../../ui/Panel";
 import type { DrawingActions } from "../actions";
@@ -78,8 +78,12 @@ export function createPlanPanel(drawing: DrawingActions, plan: PlanWords, dismis
     show(none, rows.length === 0);
     setText(none, session.stances.isCarrying ? words.carrying : words.none);
     const missing = drawn.onScan?.plan.missing ?? [];
-    fill(refused, missing, () => [...new Set(missing.map(({ item }) => item))].map((item) => refusal(missing.filter((each) => each.item === item))));
-    show(refused, missing.length > 0);
+    const marks = (drawn.onScan?.plan.marks ?? []).flatMap(({ asked }) => asked.map(({ says }) => says));
+    fill(refused, [missing, marks], () => [
+      ...[...new Set(missing.map(({ item }) => item))].map((item) => refusal(missing.filter((each) => each.item === item))),
+      ...marks.map((says) => el("p", { class: "question-words" }, icon("alert"), says)),
+    ]);
+    show(refused, missing.length + marks.length > 0);
     show(legend, [...(drawn.onScan?.plan.shapes ?? []), ...drawn.lines.present].some((shape) => shape.bridged?.includes(true)));
     updateDetails(session);
   }

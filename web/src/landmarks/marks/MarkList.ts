@@ -5,10 +5,10 @@ import { el, fill, icon, setText, show } from "../../ui/dom";
 import type { LandmarkActions } from "../actions";
 import { markCalled } from "../picks";
 import type { LandmarksSlice } from "../state";
-import { listedMarks, type MarksSlice } from "./marks";
+import { type AskedOfMarks, askedOfMarks, listedMarks, type MarksSlice } from "./marks";
 import { marks as text } from "./text";
 
-type Shown = Pick<PageSlice & LandmarksSlice & MarksSlice, "picks" | "active" | "beside">;
+type Shown = Pick<PageSlice & LandmarksSlice & MarksSlice, "picks" | "active" | "beside"> & AskedOfMarks;
 
 export function createMarkList(actions: LandmarkActions) {
   const rows = el("ol", { class: "landmarks" });
@@ -22,9 +22,10 @@ export function createMarkList(actions: LandmarkActions) {
       fill(rows, names, () => {
         made.clear();
         for (const name of names) made.set(name, makeRow(name, actions));
-        return [...made.values()].map((row) => row.element);
+        return [...made.values()].flatMap((row) => [row.element, row.question]);
       });
-      for (const row of made.values()) row.update(state);
+      const asked = askedOfMarks(state, state.picks.present);
+      for (const [name, row] of made) row.update(state, asked.get(name) ?? null);
     },
   };
 }
@@ -40,9 +41,15 @@ function makeRow(name: string, actions: LandmarkActions) {
   const remove = iconButton("close", text.remove(called), () => actions.remove(name));
   remove.classList.add("remove");
   const element = el("li", { class: "landmark", "data-mark": called }, place, field, icon("check"), remove);
+  const sentence = el("p", {});
+  const question = el("li", { class: "question", hidden: true }, el("div", { class: "question-words" }, icon("alert"), sentence), el("div", { class: "buttons" }, button(text.takeOut, () => actions.remove(name), "quiet outlined")));
   return {
     element,
-    update({ picks, active, beside }: Shown): void {
+    question,
+    update({ picks, active, beside }: Shown, asked: string | null): void {
+      show(question, asked !== null);
+      setText(sentence, asked ?? "");
+      element.classList.toggle("is-asked", asked !== null);
       const isPlaced = name in picks.present;
       element.classList.toggle("is-placed", isPlaced);
       element.classList.toggle("is-active", active === name);

@@ -9,6 +9,19 @@ export interface MarksSlice {
   readonly beside: Beside;
 }
 
+/** What is asked about the marks of a scan: by its fit, and by the plan that is carried between it and another. */
+export interface AskedOfMarks {
+  readonly fit: { readonly result: { readonly marks_asked?: readonly { readonly names: readonly string[]; readonly reason: string }[] } | null } | null;
+  readonly drawn: { readonly onScan: { readonly plan: { readonly marks?: readonly { readonly asked: readonly { readonly name: string; readonly says: string }[] }[] } } | null };
+}
+
+/** Sentences, by a mark's name in the picks. */
+export function askedOfMarks({ fit, drawn }: AskedOfMarks, picks: Picks): ReadonlyMap<string, string> {
+  const ofFit = (fit?.result?.marks_asked ?? []).flatMap(({ names, reason }) => names.map((name) => [markKey(name), reason] as const));
+  const between = (drawn.onScan?.plan.marks ?? []).flatMap(({ asked }) => asked.map(({ name, says }) => [markKey(name), says] as const));
+  return new Map([...between, ...ofFit].filter(([name]) => name in picks));
+}
+
 export const initialMarks: MarksSlice = { beside: {} };
 
 /** "mark 3": the first that nothing is called. */

@@ -7,6 +7,7 @@ export const marks = {
   spoken: (called: string) => `mark \u201c${called}\u201d`,
   nameOf: (called: string) => `Name of the mark ${called}`,
   remove: (called: string) => `Remove the mark ${called}`,
+  takeOut: "Take it out",
   again: "Place it again",
   missing: "on the other scan, not placed here",
   placed: (isPaired: boolean) => (isPaired ? "placed, on both scans" : "placed, on this scan alone"),
