@@ -146,6 +146,7 @@ LISTED = {  # why they are not run here, or the test that runs them
     ],
     "the name of a command in a sentence": [
         "breastrig fit",
+        "breastrig fit --length A B MM",
         "breastrig report",
         "breastrig volume",
     ],
