@@ -101,19 +101,20 @@ def body_in(cells: Cells) -> Booleans:
         raise BadScan(NO_AIR)
     steps = max(1, round(REGAIN / float(cells.sizes.mean())))
     reached = ndimage.binary_dilation(air == counts.argmax(), iterations=steps, mask=~tissue)
-    pieces: NDArray[Any] = ndimage.label(~reached)[0]
+    pieces: NDArray[Any] = ndimage.label(~(reached | cells.faded))[0]
     sizes = np.bincount(pieces.ravel())
     sizes[0] = 0
     if not sizes.any():
         raise BadScan(NO_AIR)
-    return np.asarray((sizes >= PIECE * sizes.max())[pieces] & ~cells.faded)
+    return np.asarray((sizes >= PIECE * sizes.max())[pieces])
 
 
 def _faded(smooth: Grey, noise: float, axis: int, affine: Array) -> Booleans:
-    """Of each depth (axis `axis`, the others of length 1) whether it lies behind all that is seen."""
+    """Of each depth (axis `axis`, the others of length 1) whether it lies behind all that is seen.  Raises BadScan."""
     strongest = smooth.max(axis=tuple(each for each in range(3) if each != axis))
-    seen = np.flatnonzero(strongest > SEEN * noise)
-    at = np.arange(len(strongest))
+    at, seen = np.arange(len(strongest)), np.flatnonzero(strongest > SEEN * noise)
+    if not len(seen):
+        raise BadScan(NO_AIR)
     behind = at > seen[-1] if affine[1, axis] > 0.0 else at < seen[0]
     return np.asarray(behind.reshape([-1 if each == axis else 1 for each in range(3)]))
 

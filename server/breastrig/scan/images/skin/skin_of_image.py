@@ -182,7 +182,8 @@ def _beside(cells: Cells, body: Booleans) -> Booleans:
 
 def _middle(cells: Cells, body: Booleans) -> float:
     """mm, x between the sides: the origin, between the breasts, unless the body lies elsewhere."""
-    mean = np.argwhere(body[::4, ::4, ::4]).mean(axis=0) * 4.0
+    step = 4 if body[::4, ::4, ::4].any() else 1
+    mean = np.argwhere(body[::step, ::step, ::step]).mean(axis=0) * step
     across = float((cells.affine[:3, :3] @ mean + cells.affine[:3, 3])[0])
     return 0.0 if abs(across) < MIDDLE_WITHIN else across
 
