@@ -11,7 +11,7 @@ import { marks as text } from "./text";
 type Shown = Pick<PageSlice & LandmarksSlice & MarksSlice, "picks" | "active" | "beside"> & AskedOfMarks;
 
 export function createMarkList(actions: LandmarkActions) {
-  const rows = el("ol", { class: "landmarks" });
+  const rows = el("ol", { class: "mark-list" });
   const made = new Map<string, ReturnType<typeof makeRow>>();
   const add = button(text.add, () => actions.addMark(), "quiet outlined");
   const element = el("section", { class: "marks", "aria-label": text.title }, el("h3", {}, text.title), el("p", { class: "muted small" }, text.hint), rows, add);
