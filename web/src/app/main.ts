@@ -55,6 +55,7 @@ addEventListener("online", () => actions.unsaved.soon());
 document.addEventListener("visibilitychange", () => document.visibilityState === "visible" && look());
 let isSigningIn = false; // what is unsaved waits in this tab's memory then
 addEventListener("beforeunload", (event) => {
+  endTyping(); // while the page is still there: what a slow one writes in pagehide may come after the next page has read
   if (!isSigningIn && isRefused(store.get())) event.preventDefault(); // the browser asks
 });
 onSignedOut(() => {
