@@ -99,6 +99,12 @@ def test_the_command_line_takes_the_length(small: Path, length: float, tmp_path:
     assert "Scaled by 1.053" in capsys.readouterr().err
     result = json.loads((tmp_path / "out" / "result.json").read_text())
     assert result["scale"]["factor"] == pytest.approx(1.0 / SMALL, abs=1e-4)
+    transferred = ["transfer", *(word for end in ("--from", "--to") for word in (end, str(tmp_path / "out")))]
+    drawing = str(tmp_path / "out" / "drawing.json")
+    assert main([*transferred, "-o", str(tmp_path / "own.json")]) == 0
+    assert "scaled" not in capsys.readouterr().err  # its own lines are in its size
+    assert main([*transferred, "--drawing", drawing, "-o", str(tmp_path / "given.json")]) == 0
+    assert "The scan of --from was scaled by 1.053" in capsys.readouterr().err
     assert main([*command, "--length", "nose", ENDS[1], "180", "-o", str(tmp_path / "no")]) == 2
     assert 'The length ends at "nose", no landmark or mark of this scan' in capsys.readouterr().err
     assert not (tmp_path / "no").exists()

@@ -22,6 +22,7 @@ from breastrig.cli.output_options import (
 )
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
+from breastrig.files.result import read_result
 from breastrig.scan.landmarks.marks import listed
 from breastrig.use.transfer import transfer
 
@@ -56,6 +57,13 @@ def run(options: argparse.Namespace) -> int:
         drawing.save(out / options.output.name)
     for said in (*drawing.document.get("doubts", ()), *drawing.document.get("moved", ()), *_of_marks(drawing.document)):
         print(f"breastrig: {said}", file=sys.stderr)
+    scale = None if options.drawing is None else read_result(options.from_fit).scale
+    if scale is not None:
+        print(
+            f"breastrig: The scan of --from was scaled by {scale.factor:.3f} to its true size; the places of --drawing "
+            "were taken to be in that size, not in that of the scan's file.",
+            file=sys.stderr,
+        )
     say_unchecked(options.from_fit, options.to_fit)
     shapes = drawing.document["shapes"]
     bridged, count = sum(sum(shape["bridged"]) for shape in shapes), sum(len(shape["points"]) for shape in shapes)
