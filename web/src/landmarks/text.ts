@@ -3,7 +3,7 @@ import { plural } from "../ui/plural";
 import { marks } from "./marks/text";
 import { isMark, markCalled, type Picks, picksChanged, plainLabel, sideOf } from "./picks";
 
-const several = (labels: readonly string[]): string => (labels.length > 3 ? plural(labels.length, "landmark", "landmarks") : labels.join("; "));
+const several = (labels: readonly string[]): string => (labels.length > 3 ? plural(labels.length, "point", "points") : labels.join("; ")); // landmarks and marks of the skin
 
 export const landmarks = {
   /** "nipple, patient's left": as it stands inside a sentence */

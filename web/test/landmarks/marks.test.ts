@@ -27,6 +27,7 @@ test("a mark is no landmark: it is not counted, wanted, exchanged or asked for t
   expect(frameFromPicks(named)).toBeNull();
   expect(nextMissing([], named, new Set())).toBeNull();
   expect(picksSaid({}, { "mark:mole": [1, 2, 3] }, [])).toBe("placed mark \u201cmole\u201d");
+  expect(picksSaid({}, named, []), "points: a landmark or a mark").toBe("placed 4 points");
 });
 
 test("what is asked about a mark is said by its name, as long as it is on the scan", () => {
