@@ -164,11 +164,11 @@ export async function withoutEndOfTime(page: Page): Promise<void> {
   });
 }
 
-/** Waits until the fit is over and its last iteration and drawing are on the screen. */
+/** Waits until the fit, the one just asked for if there is one, is over and its last iteration and drawing are on the screen. */
 export async function untilFitted(page: Page): Promise<void> {
   await until(page, () => {
-    const { fit } = window.__breastrig!.state();
-    return fit && fit.state !== "running" && !fit.playing && (fit.state !== "done" || fit.drawing !== null || fit.drawingName === null);
+    const { fit, isStarting } = window.__breastrig!.state();
+    return fit && !isStarting && fit.state !== "running" && !fit.playing && (fit.state !== "done" || fit.drawing !== null || fit.drawingName === null);
   });
   expect(await hook.fit(page)).toMatchObject({ state: "done" });
 }
