@@ -42,7 +42,9 @@ def nrrd(values: np.ndarray, fields: Mapping[str, str] | None = None, words: Map
     lines += [f"{name}: {value}" for name, value in fields.items()]
     lines += [f"{name}:={value}" for name, value in (words or {}).items()]
     content = values.tobytes(order="F")
-    return "\n".join([*lines, "", ""]).encode() + (gzip.compress(content) if fields["encoding"] == "gzip" else content)
+    return "\n".join([*lines, "", ""]).encode() + (
+        gzip.compress(content, 1) if fields["encoding"] == "gzip" else content
+    )
 
 
 def slicer_words(segments: Sequence[tuple[str, int, int, str, str]]) -> dict[str, str]:

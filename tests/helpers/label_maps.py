@@ -50,23 +50,25 @@ def front_labels(rig: Rig, lesion: np.ndarray, radius: float) -> tuple[np.ndarra
     regions = ("breast_L", "breast_R", "areola_L", "areola_R", "chest", "belly")
     shown = np.unique(np.concatenate([rig.regions[name] for name in regions]))
     front = shown[rig.normals_at(rig.template)[shown, 2] > 0.2]
-    return labels_behind(rig.template[front], lesion, radius)
+    return *labels_behind(rig.template[front], lesion, radius), 2.0
 
 
-def labels_behind(front: np.ndarray, lesion: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Labels of what lies behind a skin's front: 1 for the body, 2 for a ball inside.
+def labels_behind(
+    front: np.ndarray, lesion: np.ndarray, radius: float, size: float = 2.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Labels of what lies behind a skin's front: 1 for the body, 2 for a ball inside; voxels of `size` mm.
 
-    And (3,) mm, LPS, of the first voxel, and the voxels' size.  `front` (N, 3) and `lesion` (3,) m: left, up, front.
+    And (3,) mm, LPS, of the first voxel.  `front` (N, 3) and `lesion` (3,) m: left, up, front.
     """
     skin = in_lps(front)
-    size, low = 2.0, np.floor(skin.min(axis=0)) - 6.0
+    low = np.floor(skin.min(axis=0)) - 6.0
     shape = np.ceil((skin.max(axis=0) - low) / size).astype(int)
     left, back, up = (low[k] + size * np.arange(shape[k]) for k in range(3))
     depth = LinearNDInterpolator(skin[:, [0, 2]], skin[:, 1])(left[:, None], up[None, :])
     labels = (back[None, :, None] > depth[:, None, :]).astype(np.uint8)  # nothing where it is not known
     away = [(axis - middle) ** 2 for axis, middle in zip((left, back, up), in_lps(lesion), strict=True)]
     labels[(away[0][:, None, None] + away[1][:, None] + away[2]) < radius**2] = 2
-    return labels, low, size
+    return labels, low
 
 
 def above_navel(labels: np.ndarray, low: np.ndarray, size: float, end: float = 200.0) -> tuple[np.ndarray, np.ndarray]:

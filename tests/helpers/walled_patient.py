@@ -1,6 +1,7 @@
 """A patient prone, with a lesion near a chest wall that a label map names, and standing: where the wall is still."""
 
 import json
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from helpers.structure_sets import Region, ball, structures
 
 WALL = 0.05  # m behind the tip of a breast that does not hang
 LESION, RADIUS = 0.006, 6.0  # m over the wall, and mm
-THICK = 8.0  # mm
+THICK, SIZE = 8.0, 3.0  # mm, of the wall and of a voxel
 SEEN = ("suprasternal_notch", "mid_sternum", "xiphoid", "nipple_L", "nipple_R")
 TISSUE = "SCT^85756007^Tissue"
 
@@ -40,18 +41,18 @@ def lesion_of(rig: Rig) -> Array:
     return marks(rig, rig.template)["nipple_L"] - [0.0, 0.0, WALL - LESION]
 
 
+@cache
 def labels_of(rig: Rig) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Labels prone (2 the lesion, 3 the wall), (3,) mm LPS of the first voxel, and their sizes."""
     body, nipple = hanging(rig), marks(rig, rig.template)["nipple_L"]
     regions = ("breast_L", "breast_R", "areola_L", "areola_R", "chest", "belly")
     shown = np.unique(np.concatenate([rig.regions[name] for name in regions]))
     front = shown[rig.normals_at(rig.template)[shown, 2] > 0.2]
-    labels, low, size = labels_behind(body[front], lesion_of(rig), RADIUS)
-    labels, low = above_navel(labels, low, size)
-    behind = low[1] + size * np.arange(labels.shape[1]) - in_lps(nipple)[1] - 1e3 * WALL
+    labels, low = above_navel(*labels_behind(body[front], lesion_of(rig), RADIUS, SIZE), SIZE)
+    behind = low[1] + SIZE * np.arange(labels.shape[1]) - in_lps(nipple)[1] - 1e3 * WALL
     plate = ((behind > 0.0) & (behind < THICK))[None, :, None]
     labels[plate & (labels == 1)] = 3
-    return labels, low, np.full(3, size)
+    return labels, low, np.full(3, SIZE)
 
 
 def label_map(rig: Rig, wall: str = "Pectoral muscle") -> bytes:
@@ -74,6 +75,7 @@ def contours(rig: Rig, wall: str = "Chest wall", lesion: str = "GTV") -> bytes:
     return structures([each for each in regions if each.name], uid("frame"))
 
 
+@cache
 def image(rig: Rig, beside: bytes = b"", position: str = "") -> bytes:
     """The MRI of these labels as DICOM in a zip: light where there is a body; with a file of lesions beside it.
 

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,7 @@ def fits(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@cache
 def carried(fits: Path, start: str) -> dict:
     """The lesion standing."""
     out = fits / f"from_{start}.json"

@@ -58,4 +58,7 @@ def nipples_on(vertices: Array, faces: Integers, middle: float) -> tuple[SeenNip
 
 def _means(tree: cKDTree, vertices: Array, places: Array, radius: float) -> Array:
     """(N, 3) the mean of the vertices around each place."""
-    return np.array([vertices[around].mean(axis=0) for around in tree.query_ball_point(places, radius)])
+    near = cKDTree(places).sparse_distance_matrix(tree, radius, output_type="ndarray")
+    number, around = near["i"], vertices[near["j"]]  # of a place, itself among those around it
+    sums = np.stack([np.bincount(number, axis, len(places)) for axis in around.T], axis=1)
+    return np.asarray(sums / np.bincount(number, minlength=len(places))[:, None])
