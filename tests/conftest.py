@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import scipy.linalg  # noqa: F401  loads SciPy's own BLAS, so that the limit below meets it too
 from helpers import remembered
+from helpers.batch_here import Here
 from hypothesis import HealthCheck, settings
 from threadpoolctl import threadpool_limits
 
@@ -123,3 +124,9 @@ def rig(torso: Rig) -> Rig:
 def repository() -> Path:
     """The root of the checkout (or of the unpacked sdist)."""
     return REPOSITORY
+
+
+@pytest.fixture
+def batch_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`breastrig batch` makes its fits in this process."""
+    monkeypatch.setattr("breastrig.cli.batch_command._executor", lambda *_: Here())

@@ -37,6 +37,7 @@ def served(
         yield service, create_app(Config(model=arm[0]), service).test_client()
 
 
+@pytest.mark.usefixtures("batch_here")
 @pytest.mark.slow
 def test_by_command_line(arm: tuple[Path, Path, Path], tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     model, scan, places = map(str, arm)

@@ -24,6 +24,7 @@ def lesions_of(folder: Path) -> list[str]:
     return [each["name"] for each in json.loads((folder / "result.json").read_text())["lesions"]]
 
 
+@pytest.mark.usefixtures("batch_here")
 def test_a_fit_and_a_row_of_a_batch_have_them(image: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     words = ["fit", str(image), "--landmarks", str(LANDMARKS), "-o", str(out), "--no-progress"]

@@ -185,6 +185,7 @@ def test_exports_and_comparisons_replace_their_own_files_only(
     assert modes(fits / "standing") == ({0o700}, {0o600})
 
 
+@pytest.mark.usefixtures("batch_here")
 @pytest.mark.slow
 def test_a_batch_keeps_its_manifest_its_scans_and_what_lies_beside_its_results(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]

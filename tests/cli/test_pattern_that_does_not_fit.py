@@ -80,6 +80,7 @@ def test_a_tumour_that_is_nowhere_on_the_skin_is_one_line(tmp_path: Path, capsys
     assert "tumour_L" not in names
 
 
+@pytest.mark.usefixtures("batch_here")
 @pytest.mark.slow
 def test_a_row_of_a_batch_is_done_once_and_its_line_says_what_is_missing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -102,6 +102,7 @@ def test_a_body_that_is_predicted_has_no_wall_and_takes_lesions_from_one(fits: P
     assert breastrig.Fit.load(fits / "prone").in_metres.wall is not None
 
 
+@pytest.mark.usefixtures("batch_here")
 def test_a_case_and_a_batch_have_it(fits: Path, tmp_path: Path) -> None:
     wanted = read_result(fits / "prone").wall
     assert wanted is not None
