@@ -14,9 +14,9 @@ from helpers.label_maps import (
     RADIUS,
     SIZES,
     body_labels,
+    coarse_labels,
     file_of,
     masks,
-    nifti,
     placed_nifti,
     seg,
 )
@@ -27,27 +27,27 @@ from breastrig.service.service import Service
 
 @pytest.mark.slow
 def test_a_lesion_of_a_label_map_is_an_item_of_the_plan(client: FlaskClient) -> None:
-    data = gzip.compress(nifti(body_labels()))
+    data = gzip.compress(coarse_labels())
     answer = client.post("/api/scans", data={"file": (io.BytesIO(data), "IM000001")})
     assert answer.status_code == 201, answer.json
     assert answer.json is not None
     scan = answer.json
-    assert (scan["unit"], scan["triangles"] > 20_000) == ("mm", True)
+    assert (scan["unit"], scan["triangles"] > 5_000) == ("mm", True)
     assert (scan["stance"]["proposed"], "breast MRI" in scan["stance"]["reason"]) == ("prone", True)
     plan = client.get(scan["links"]["plan"]).json
     assert plan is not None
     (lesion,) = plan["items"]
     assert (lesion["kind"], lesion["scan"], lesion["name"]) == ("lesion", scan["id"], "Lesion 1")
-    assert lesion["center"] == pytest.approx(LESION.tolist(), abs=0.2)
-    assert lesion["radius_mm"] == pytest.approx(RADIUS, abs=0.1)
+    assert lesion["center"] == pytest.approx(LESION.tolist(), abs=0.5)
+    assert lesion["radius_mm"] == pytest.approx(RADIUS, abs=0.2)
     assert client.delete(scan["links"]["self"]).status_code == 204
     assert client.get(scan["links"]["plan"]).status_code == 404
 
 
 def test_the_side_is_asked_and_the_answer_sent_with_the_file(client: FlaskClient) -> None:
     """Nothing is kept of a file about which something has to be asked first."""
-    labels = np.asfortranarray(body_labels()[::-1, ::-1])
-    data = gzip.compress(placed_nifti(labels, (np.diag([*SIZES, 1.0]), 0), (np.diag([*SIZES, 1.0]), 0)))
+    labels = np.asfortranarray(body_labels()[::-2, ::-2, ::2])
+    data = gzip.compress(placed_nifti(labels, *[(np.diag([*2.0 * SIZES, 1.0]), 0)] * 2))
     before = client.get("/api/scans").json
     asked = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii")})
     assert (asked.status_code, asked.mimetype) == (422, "application/problem+json")
@@ -71,12 +71,12 @@ def test_the_side_is_asked_and_the_answer_sent_with_the_file(client: FlaskClient
 
 
 def test_segments_are_answered_and_can_be_chosen(client: FlaskClient) -> None:
-    data = gzip.compress(nifti(body_labels()))
+    data = gzip.compress(coarse_labels())
     answer = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii")})
     assert answer.json is not None
     facts = [(each["number"], each["name"], each["taken_as"]) for each in answer.json["segments"]]
     assert facts == [(1, "Tissue 1", "tissue"), (2, "Lesion 1", "lesion"), (3, "Tissue 2", "tissue")]
-    assert answer.json["segments"][1]["radius_mm"] == pytest.approx(RADIUS, abs=0.1)
+    assert answer.json["segments"][1]["radius_mm"] == pytest.approx(RADIUS, abs=0.2)
     assert [each["label"] for each in answer.json["segments"]] == ["", "", ""]
     chosen = json.dumps({"2": "tissue"})
     answer = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii"), "segments": chosen})

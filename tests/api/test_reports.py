@@ -186,6 +186,7 @@ def test_the_volume_is_that_of_the_command(real: Real, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("blank")
 def test_the_pages_of_the_report_are_pictures_too(real: Real) -> None:
     _, client, _, fits = real
     place = f"/api/fits/{fits['standing']}/report"

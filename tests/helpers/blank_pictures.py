@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 from breastrig.rendering.picture import Picture, Scene
-from breastrig.service import reports
-from helpers.plain_report import plain_report_pdf_of, white
+from breastrig.service import reports, share_snapshots
+from helpers.plain_report import plain_report_pages_of, plain_report_pdf_of, white, write_plain_snapshot
 
 COARSER = 4
 
@@ -17,8 +17,10 @@ def blank_pictures(patch: pytest.MonkeyPatch) -> None:
 
 
 def blank_pictures_in_reports(patch: pytest.MonkeyPatch) -> None:
-    """From now on every report that services of this process have made has such pictures."""
+    """From now on every report that services of this process have made, of links too, has such pictures."""
     patch.setitem(reports.MAKERS, "report.pdf", plain_report_pdf_of)
+    patch.setitem(reports.MAKERS, "pages.zip", plain_report_pages_of)
+    patch.setattr(share_snapshots, "write_snapshot", write_plain_snapshot)
 
 
 def coarse_pictures(patch: pytest.MonkeyPatch) -> None:

@@ -45,6 +45,11 @@ def _body_labels() -> np.ndarray:
     return labels
 
 
+def coarse_labels() -> bytes:
+    """Every second voxel of `body_labels` as NIfTI: an eighth of the work for tests of what is done with a file."""
+    return nifti(np.ascontiguousarray(body_labels()[::2, ::2, ::2]), sizes=2.0 * SIZES)
+
+
 def front_labels(rig: Rig, lesion: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray, float]:
     """`labels_behind` of the template's front from the folds' belly to the collar bones."""
     regions = ("breast_L", "breast_R", "areola_L", "areola_R", "chest", "belly")

@@ -49,7 +49,11 @@ FUNCTIONS = {
 }
 ABOVE = ("core", "rendering", "use", "batch", "cli", "api", "service", "execution", "storage", "index")  # or beside
 DECIDES_NOTHING = {"known_opening"}  # an argument that only saves work
-UNDRAWN = ("measures", "breast_volume")  # which look at no line of a stance
+UNDRAWN = {"lines": (), "banded": ()}  # of a stance
+LOOKS_PAST = {  # parts of a stance that a function does not look at
+    "measures": UNDRAWN,
+    "breast_volume": UNDRAWN | {"picked": {}, "seen": {}, "landmark_radii": {}, "areolae": {}, "joint": None},
+}
 
 changed: set[object] = set()  # by whom the rooms that compute are changed at the moment; nothing is remembered then
 _rigs: WeakKeyDictionary[Rig, bytes] = WeakKeyDictionary()
@@ -124,8 +128,8 @@ def _remembered(function: Callable[..., Any]) -> Callable[..., Any]:
         if FOLDER not in os.environ or changed:
             return None
         given = {k: v for k, v in named.bind(*args, **kwargs).arguments.items() if k not in DECIDES_NOTHING}
-        if function.__name__ in UNDRAWN:
-            given["stance"] = replace(given["stance"], lines=(), banded=())
+        if function.__name__ in LOOKS_PAST:
+            given["stance"] = replace(given["stance"], **LOOKS_PAST[function.__name__])
         try:
             return key_of(function.__module__, function.__name__, given)
         except TypeError:
