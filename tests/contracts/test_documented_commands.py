@@ -80,6 +80,9 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig case plan patient/ --undo 1",
         "breastrig case show patient/",
     ],
+    "tests/use/test_true_size.py": [
+        "breastrig case length patient/ --put suprasternal_notch nipple_L 214",
+    ],
     "tests/volume": [
         "breastrig volume standing/ -o torso.vtu",
         "breastrig volume out/ -o torso.vtu",

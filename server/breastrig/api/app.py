@@ -24,7 +24,8 @@ from breastrig.api.routes.patients import owners, patients, plans_of_fits
 from breastrig.api.routes.patterns import patterns
 from breastrig.api.routes.reports import reports
 from breastrig.api.routes.results import results
-from breastrig.api.routes.scans import scans
+from breastrig.api.routes.scans.of_scans import of_scans
+from breastrig.api.routes.scans.scans import scans
 from breastrig.api.routes.shares.shared import share_page, shared
 from breastrig.api.routes.shares.shares import shares
 from breastrig.api.routes.sign_in import sign_in
@@ -79,6 +80,7 @@ def _bare_app() -> APIFlask:
     app.url_map.converters["page_file"] = PageFile
     for blueprint in (
         scans,
+        of_scans,
         drawings,
         patients,
         owners,

@@ -23,10 +23,10 @@ from breastrig.drawings.patterns import asked_drawing, tumour_text
 from breastrig.fitting.recipe import load_recipe
 from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.landmark_files import landmarks_of_file
+from breastrig.scan.true_size import length_of
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers, checked_answers, segments_of_words
 from breastrig.use.steps.prepare import check_prior, checked_picks, named_drawing
 from breastrig.use.steps.settings import FIRST, FitSettings
-from breastrig.use.steps.true_size import length_of
 
 VOLUME_COLUMNS = ("frame", "segments", "series", "lesions", "same_place")  # as options of `breastrig fit`
 BETWEEN_FILES = "|"  # names of files may hold blanks

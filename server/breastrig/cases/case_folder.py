@@ -21,6 +21,7 @@ from breastrig.core.errors import BadInput, NeedsYes, NotFound
 from breastrig.core.identity import CODE_CHARACTERS, one_line, random_code
 from breastrig.core.private_files import private_folder, shown
 from breastrig.core.scratch import locked_folder, remove_abandoned
+from breastrig.scan.true_size import facts_in, kept_size
 
 COMING = ".coming-"  # folders of what comes in; those of killed programs are removed
 NO_SCAN = "There is no such scan; it may have been deleted."
@@ -155,7 +156,12 @@ class CaseFolder:
         return found
 
     def _scan(self, scan_id: str) -> ScanDocument | None:
-        return self.read(f"{scan_part(scan_id)}/{layout.SCAN}", ScanDocument)
+        """In the scan's true size."""
+        found = self.read(f"{scan_part(scan_id)}/{layout.SCAN}", ScanDocument)
+        size = None if found is None else kept_size(self.scan_folder(scan_id))
+        if found is None or size is None:
+            return found
+        return found.model_copy(update={"facts": facts_in(found.facts, size)})
 
     def scan_folder(self, scan_id: str) -> Path:
         return self.path / scan_part(scan_id)

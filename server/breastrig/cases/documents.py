@@ -10,6 +10,7 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.drawings.plan_schema import ITEMS, Plan, PlanItem
 
+SCALE = "size in which places are: times that of the scan's file"
 NOTHING = "0"  # the ETag of a document that nobody has written yet
 
 Read = TypeVar("Read", bound=BaseModel)
@@ -32,6 +33,9 @@ class PlanDocument(Plan):
 
     items: list[PlanItem] = Field(default=[], max_length=ITEMS)
     version: int = Field(default=0, description="grows by one with each change; 0 before the first")
+    sizes: dict[str, float] = Field(
+        default={}, description="by scan, as `scale` of its landmarks: the size in which places on it are, where not 1"
+    )
     whole: bool = Field(
         default=False, description="somebody has written it as a whole: what it does not name is not wanted"
     )
@@ -56,6 +60,7 @@ class CutsDocument(Document):
     """cuts.json: what a person has cut away by hand (scan/hand_cuts.py)."""
 
     schema_: Literal["breastrig/cuts@1"] = Field(default="breastrig/cuts@1", alias="schema")
+    scale: float = Field(default=1.0, gt=0.0, description=SCALE)
     cuts: list[dict[str, Any]] = []
 
 
@@ -64,6 +69,7 @@ class InkDocument(Document):
 
     model_config = ConfigDict(extra="allow")
     schema_: Literal["breastrig/drawing@1"] = Field(default="breastrig/drawing@1", alias="schema")
+    scale: float = Field(default=1.0, gt=0.0, description=SCALE)
     unit: Literal["mm"] = "mm"
     shapes: list[dict[str, Any]] = []
     dropped: list[str] = []
@@ -75,7 +81,6 @@ class AnswersDocument(Document):
     schema_: Literal["breastrig/answers@1"] = Field(default="breastrig/answers@1", alias="schema")
     stance: Literal["standing", "supine", "prone"] | None = None
     side: Literal["L", "R"] | None = Field(default=None, description="the patient's side that the scan is about")
-    scale: float | None = Field(default=None, gt=0.0, description="by which the scan has its true size")
     visit: str | None = Field(default=None, max_length=60, description="such as: before, after six months")
     model: str | None = Field(default=None, max_length=100, description="name of the scan's model, said to be right")
     same_as: list[str] = Field(
@@ -104,6 +109,7 @@ class FitDocument(Document):
     confidence: dict[str, float] = {}
     marks_mm: dict[str, list[float]] = {}
     cuts: list[dict[str, Any]] = []
+    scale: float = Field(default=1.0, gt=0.0, description=SCALE)
     refine: bool = True
     start_from: str | None = Field(default=None, description="an earlier fit of the same scan")
     predicted_from: str | None = Field(default=None, description="of a prediction: the fit that it comes from")

@@ -20,12 +20,14 @@ from breastrig.cases.documents import FitDocument, content_of
 from breastrig.cases.layout import fit_part, new_id, scan_part
 from breastrig.cases.writing import put, sync_folder
 from breastrig.core.errors import Conflict, FitFailed, NotFound
+from breastrig.scan.true_size import kept_factor
 
 STATES = ("queued", "running", "done", "failed", "cancelled")
 ENDED = frozenset(STATES[2:])
 ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
 TAIL = 2**16  # bytes of the log's end that are read first; an iteration takes 2.5 kB, a result some ten
 NO_FIT = "There is no such fit; it may have been deleted."
+OTHER_SIZE = "The scan got another size after this fit was asked for; fit it again."
 CANCELLED = {"kind": "cancelled", "reason": "The fit was cancelled."}
 OTHER_MODEL = "The model was exchanged after this fit had started; start the fit again."
 TOO_OFTEN = "This fit was started {} times without an end, as its server or worker ended first; start the fit again."
@@ -78,11 +80,24 @@ def get_fit(case: CaseFolder, scan_id: str, fit_id: str) -> FitEntry:
     if document is None:
         raise NotFound(NO_FIT)
     last = last_event(case.path / part)
-    return FitEntry(fit_id, scan_id, document, state_of(case.path / part, last), last)
+    return FitEntry(fit_id, scan_id, document, state_of(case.path / part, document, last), last)
 
 
-def state_of(folder: Path, last: dict[str, Any] | None) -> str:
-    """The fit's state: the end in its log, else cancelled, else queued or running."""
+def reason_of(folder: Path, document: FitDocument, last: dict[str, Any] | None) -> str | None:
+    """Why the fit failed or was cancelled."""
+    reason: str | None = (last or {}).get("reason")
+    return OTHER_SIZE if is_of_other_size(folder, document) else reason
+
+
+def is_of_other_size(folder: Path, document: FitDocument) -> bool:
+    """Whether the scan has another size by now than the fit has."""
+    return document.scale != kept_factor(folder.parent.parent)
+
+
+def state_of(folder: Path, document: FitDocument, last: dict[str, Any] | None) -> str:
+    """The fit's state: cancelled in another size, else the end in its log, else cancelled, else queued or running."""
+    if is_of_other_size(folder, document):
+        return "cancelled"
     if last is not None and last["kind"] in ENDED:
         return str(last["kind"])
     if (folder / layout.CANCEL).exists():

@@ -5,7 +5,8 @@
     CASE/.lock                   held by whoever writes
     CASE/.new                    its first scan is on the way from another case
     CASE/scans/S/                scan.json, scan.stored, mesh.glb, thumbnail.png, volume.npz (of an image),
-                                 landmarks.json, cuts.json, ink.json, proposals.json, answers.json, expires.json
+                                 landmarks.json, length.json, cuts.json, ink.json, proposals.json, answers.json,
+                                 expires.json
     CASE/scans/S/fits/F/         fit.json, fit.log.jsonl (line N is event N), .claim, .attempts, cancel, and what
                                  `breastrig fit` writes
     .../fits/F/links/L/          link.json, shown-N/

@@ -3,6 +3,7 @@
 Each is replaced as a whole; where the ETag of the one that was seen is given, only that one.
 """
 
+import json
 from collections.abc import Callable, Collection
 from typing import Any, TypeVar
 
@@ -22,9 +23,10 @@ from breastrig.cases.documents import (
 )
 from breastrig.cases.layout import scan_part
 from breastrig.cases.writing import Changed, put, sync_folder
-from breastrig.core.errors import BadDrawing, Conflict
+from breastrig.core.errors import BadDrawing, BadInput, Conflict
 from breastrig.core.picks import Picks
 from breastrig.core.units import METRES_PER_UNIT
+from breastrig.scan.hand_cuts import cut_in
 from breastrig.scan.landmarks.landmark_files import (
     certain_landmarks,
     landmark_confidences,
@@ -32,6 +34,7 @@ from breastrig.scan.landmarks.landmark_files import (
     read_landmarks,
     read_marks,
 )
+from breastrig.scan.true_size import kept_factor
 
 NOT_YET = "The ink of this scan has not been looked for yet; ask for it first."
 
@@ -39,7 +42,10 @@ Read = TypeVar("Read", bound=BaseModel)
 
 
 def get_landmarks(case: CaseFolder, scan_id: str) -> Picks:
-    """In mm, the scan's frame; empty when nobody has placed any.  Raises NotFound, BadLandmarks for a damaged file."""
+    """In mm, the scan's frame and size; empty when nobody has placed any.
+
+    Raises NotFound, BadLandmarks for a damaged file.
+    """
     case.check_scan(scan_id)
     content = case.content(f"{scan_part(scan_id)}/{layout.LANDMARKS}")
     if content is None:
@@ -49,7 +55,8 @@ def get_landmarks(case: CaseFolder, scan_id: str) -> Picks:
     places, marks = (
         {name: (per_unit * point).tolist() for name, point in each.items()} for each in (points, read_marks(content)[0])
     )
-    return Picks(places, certain_landmarks(content), landmark_confidences(content), marks)
+    picks = Picks(places, certain_landmarks(content), landmark_confidences(content), marks)
+    return picks.times(_factor(case, scan_id) / _scale_of(content))
 
 
 def put_landmarks(
@@ -59,28 +66,38 @@ def put_landmarks(
 
     Without any there is no file.  Raises NotFound, Changed.
     """
-    return _put(
-        case,
-        scan_id,
-        layout.LANDMARKS,
-        landmark_document(picks) if picks.points_mm or picks.marks_mm else None,
-        seen,
-        digest,
-    )
+    content = landmark_document(picks, _factor(case, scan_id)) if picks.points_mm or picks.marks_mm else None
+    return _put(case, scan_id, layout.LANDMARKS, content, seen, digest)
 
 
-def landmark_document(picks: Picks) -> bytes:
-    """breastrig/landmarks@1 in mm."""
+def landmark_document(picks: Picks, scale: float = 1.0) -> bytes:
+    """breastrig/landmarks@1 in mm, of a scan that is so many times as large as its file says."""
     places, marks = (
         {name: np.array(point) for name, point in each.items()} for each in (picks.points_mm, picks.marks_mm)
     )
-    return landmark_file(places, "json", "mm", picks.certain, picks.confidence, marks)
+    content = landmark_file(places, "json", "mm", picks.certain, picks.confidence, marks)
+    return content if scale == 1.0 else content_of(json.loads(content) | {"scale": scale})
+
+
+def _scale_of(content: bytes) -> float:
+    """The size in which a document of landmarks is.  Raises BadInput."""
+    scale = json.loads(content).get("scale", 1.0) if content.lstrip()[:1] == b"{" else 1.0
+    if not isinstance(scale, float | int) or not 0.0 < scale < 1e3:
+        raise BadInput(f'"scale" in {layout.LANDMARKS} of this case is no number above 0; put a copy back.')
+    return scale
+
+
+def _factor(case: CaseFolder, scan_id: str) -> float:
+    return kept_factor(case.scan_folder(scan_id))
 
 
 def get_cuts(case: CaseFolder, scan_id: str) -> tuple[dict[str, Any], ...]:
     """The scan's cuts, oldest first; empty where nothing was cut. Raises NotFound."""
     found = _get(case, scan_id, layout.CUTS, CutsDocument)
-    return () if found is None else tuple(found.cuts)
+    if found is None:
+        return ()
+    factor = _factor(case, scan_id) / found.scale
+    return tuple(found.cuts if factor == 1.0 else [cut_in(cut, factor) for cut in found.cuts])
 
 
 def put_cuts(
@@ -91,19 +108,22 @@ def put_cuts(
     digest: Callable[[], str] | None = None,
 ) -> str:
     """Replaces the scan's cuts, as `put_landmarks` does landmarks."""
-    return _put(case, scan_id, layout.CUTS, content_of(CutsDocument(cuts=list(cuts))), seen, digest)
+    document = CutsDocument(cuts=list(cuts), scale=_factor(case, scan_id))
+    return _put(case, scan_id, layout.CUTS, content_of(document), seen, digest)
 
 
 def get_ink(case: CaseFolder, scan_id: str) -> InkDocument | None:
-    """The lines that were found; None before the first search. Raises NotFound."""
-    return _get(case, scan_id, layout.INK, InkDocument)
+    """The lines that were found; None before the first search in the scan's size. Raises NotFound."""
+    found = _get(case, scan_id, layout.INK, InkDocument)
+    return found if found is not None and found.scale == _factor(case, scan_id) else None
 
 
 def put_ink(case: CaseFolder, scan_id: str, drawing: dict[str, Any]) -> None:
     """Keeps what was found; what was dropped stays dropped.  Raises NotFound."""
     with case.writing():
         before = _get(case, scan_id, layout.INK, InkDocument)
-        found = InkDocument.model_validate(drawing | {"dropped": [] if before is None else before.dropped})
+        known = {"dropped": [] if before is None else before.dropped, "scale": _factor(case, scan_id)}
+        found = InkDocument.model_validate(drawing | known)
         put(case.path, f"{scan_part(scan_id)}/{layout.INK}", content_of(found))
 
 
@@ -113,7 +133,7 @@ def drop_ink(case: CaseFolder, scan_id: str, dropped: dict[str, bool]) -> InkDoc
     Raises NotFound, Conflict before its ink was found, BadDrawing for a name that it has not.
     """
     with case.writing():
-        found = _get(case, scan_id, layout.INK, InkDocument)
+        found = get_ink(case, scan_id)
         if found is None:
             raise Conflict(NOT_YET)
         names = [shape["name"] for shape in found.shapes]

@@ -6,8 +6,9 @@ An item whose scan is not here is not shown: so one rename decides about a scan 
 """
 
 import os
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -16,10 +17,12 @@ from breastrig.cases.documents import NOTHING, PlanDocument, content_of, etag_of
 from breastrig.cases.layout import PLAN, PLANS, new_id
 from breastrig.cases.writing import PART, Changed, put, replace
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.drawings.plan_schema import ITEMS, PlanItem, PlanLesion
+from breastrig.drawings.plan_schema import ITEMS, PlanItem, PlanLesion, PlanLine, PlanNote
 from breastrig.scan.images.added_lesions import TakenLesions, taken
 from breastrig.scan.piece import BallInside, TakenSegment
+from breastrig.scan.true_size import kept_factor
 
+NONE: Mapping[str, float] = MappingProxyType({})
 VERSIONS = 50  # that are kept, the one in force among them; nobody undoes more
 
 
@@ -121,16 +124,55 @@ def add_lesions(
 
 
 def stored_plan(case: CaseFolder) -> PlanDocument:
-    """The plan as in its file, with items of scans that are not here."""
-    return case.read(PLAN, PlanDocument) or PlanDocument()
+    """The plan in the sizes that its scans have now, with items of scans that are not here."""
+    return _in_sizes(case, case.read(PLAN, PlanDocument) or PlanDocument())
 
 
-def write_plan(case: CaseFolder, items: Sequence[PlanItem], whole: bool) -> StoredPlan:
-    """Puts a new version in force; under `writing`.  The one before is linked into the earlier ones first."""
+def _in_sizes(case: CaseFolder, document: PlanDocument) -> PlanDocument:
+    """Each item in the size that its scan has now; of a scan that is not here as it stands."""
+    now = _sizes(case, document.items, document.sizes)
+    if now == document.sizes:
+        return document
+    factors = {scan: now.get(scan, 1.0) / document.sizes.get(scan, 1.0) for scan in {*now, *document.sizes}}
+    items = [_times(item, factors.get(item.scan, 1.0)) for item in document.items]
+    return document.model_copy(update={"items": items, "sizes": now})
+
+
+def _times(item: PlanItem, factor: float) -> PlanItem:
+    """The item with its places times the factor; what was said in millimetres of the patient stays."""
+    if isinstance(item, PlanLine):
+        return item.model_copy(update={"points": [[factor * value for value in point] for point in item.points]})
+    if isinstance(item, PlanLesion):
+        return item.model_copy(update={"center": [factor * value for value in item.center]})
+    if isinstance(item, PlanNote) and item.point is not None:
+        return item.model_copy(update={"point": [factor * value for value in item.point]})
+    return item
+
+
+def _sizes(case: CaseFolder, items: Sequence[PlanItem], known: Mapping[str, float]) -> dict[str, float]:
+    """The items' scans that are larger or smaller than their files, by how much; `known` of scans that are not here."""
+    here = case.scan_ids()
+    scans = sorted({item.scan for item in items})
+    found = {scan: kept_factor(case.scan_folder(scan)) if scan in here else known.get(scan, 1.0) for scan in scans}
+    return {scan: factor for scan, factor in found.items() if factor != 1.0}
+
+
+def write_plan(
+    case: CaseFolder, items: Sequence[PlanItem], whole: bool, coming: Mapping[str, float] = NONE
+) -> StoredPlan:
+    """Puts a new version in force; under `writing`.  The one before is linked into the earlier ones first.
+
+    `coming`: sizes of scans that are on the way into the case.
+    """
     before = case.content(PLAN)
+    known = {} if before is None else read_document(PlanDocument, before, PLAN).sizes
     number = 0 if before is None else _keep_version(case, before)
     document = PlanDocument(
-        items=list(items), version=max([number, *_kept_numbers(case)]) + 1, whole=whole, written_at=utc_now()
+        items=list(items),
+        sizes=_sizes(case, items, {**known, **coming}),
+        version=max([number, *_kept_numbers(case)]) + 1,
+        whole=whole,
+        written_at=utc_now(),
     )
     content = content_of(document.model_copy(update={"patient": None, "scans": []}))
     put(case.path, PLAN, content)
@@ -206,6 +248,6 @@ def _version_name(number: int) -> str:
 
 def _shown(case: CaseFolder, content: bytes, name: str) -> StoredPlan:
     """The plan without items of scans that are not here."""
-    document, here = read_document(PlanDocument, content, name), case.scan_ids()
+    document, here = _in_sizes(case, read_document(PlanDocument, content, name)), case.scan_ids()
     items = [item for item in document.items if item.scan in here]
     return StoredPlan(document.model_copy(update={"items": items}), etag_of(content))

@@ -105,10 +105,11 @@ def _move(source: CaseFolder, scan_id: str, target: CaseFolder, again: bool, sam
         raise NeedsYes("This scan is already here: the same file is one of this patient's scans", "again")
     _mark(source, scan_id, FROM)
     _mark(target, scan_id, TO)
-    moved = [item for item in stored_plan(source).items if item.scan == scan_id]
+    here = stored_plan(source)
+    moved = [item for item in here.items if item.scan == scan_id]
     if moved:
         there = stored_plan(target)
-        write_plan(target, [*there.items, *renamed(moved, there.items)], there.whole)
+        write_plan(target, [*there.items, *renamed(moved, there.items)], there.whole, here.sizes)
     place = target.path / scan_part(scan_id)
     place.parent.mkdir(mode=0o700, exist_ok=True)
     os.rename(source.scan_folder(scan_id), place)

@@ -20,6 +20,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     _action(actions, "add", "read a scan into a case", actions_of.add, _add_options)
     _action(actions, "lesions", "add the lesions of another file to the plan", actions_of.lesions, _lesions_options)
     _action(actions, "landmarks", "replace a scan's landmarks", actions_of.landmarks, _landmarks_options)
+    _action(actions, "length", "give a scan its true size", actions_of.length, _length_options)
     _action(actions, "fit", "fit a scan of a case, and keep the fit in it", actions_of.fit, _fit_options)
     _action(actions, "predict", "the patient of a scan in another stance", actions_of.predict, _predict_options)
     _action(actions, "plan", "write the plan into a file, replace it, or undo a change", actions_of.plan, _plan_options)
@@ -81,6 +82,18 @@ def _scan_option(parser: argparse.ArgumentParser) -> None:
 
 def _landmarks_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("landmarks", type=Path, metavar="FILE", help="picked points: JSON, CSV, .pp or .mrk.json")
+    _scan_option(parser)
+
+
+def _length_options(parser: argparse.ArgumentParser) -> None:
+    given = parser.add_mutually_exclusive_group(required=True)
+    given.add_argument(
+        "--put",
+        nargs=3,
+        metavar=("A", "B", "MM"),
+        help="two of the scan's landmarks or marks, and the straight way between them as measured on the patient",
+    )
+    given.add_argument("--remove", action="store_true", help="the size of the scan's file again")
     _scan_option(parser)
 
 

@@ -1,6 +1,6 @@
 """A person's landmarks and marks on one scan, as they are stored and given to a fit."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 Points = dict[str, list[float]]  # name -> x, y, z in mm, scan frame
 
@@ -12,6 +12,16 @@ class Picks:
     confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of those that were proposed; absent: placed
     marks_mm: Points = field(default_factory=dict)  # places on the skin of any name: moles, dots, ends of pen lines
     open_names: bool = False  # whether points of names that no landmark has are marks, as in tables of other programs
+
+    def times(self, factor: float) -> "Picks":
+        """Each coordinate times the factor."""
+        if factor == 1.0:
+            return self
+        points, marks = (
+            {name: [factor * value for value in place] for name, place in each.items()}
+            for each in (self.points_mm, self.marks_mm)
+        )
+        return replace(self, points_mm=points, marks_mm=marks)
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,12 @@ The body's triangles come first, those of tables, walls and loose pieces after t
 colours is shaded by how much it bends (rendering/folds.py).  The rims of the body's holes stand beside it as lines.
 """
 
+import json
+
 import numpy as np
 
 from breastrig.core.arrays import Array, Booleans, Integers
+from breastrig.core.glb import pack_glb, split_glb
 from breastrig.geometry.boundary import boundary_edges
 from breastrig.geometry.normals import face_crosses
 from breastrig.gltf.mesh_glb import mesh_glb
@@ -35,6 +38,16 @@ def scan_mesh(scan: Scan, body: Surface) -> tuple[bytes, int]:
         rims=vertices[boundary_edges(own)],
     )
     return glb, int(np.count_nonzero(is_body))
+
+
+def scaled_mesh(glb: bytes, factor: float) -> bytes:
+    """The .glb of `scan_mesh` so many times as large about the origin of the scan's frame: its nodes say so."""
+    document, binary = split_glb(glb)
+    for node in document["nodes"]:
+        node["scale"] = [factor] * 3
+        if "translation" in node:
+            node["translation"] = [factor * value for value in node["translation"]]
+    return pack_glb(json.dumps(document, separators=(",", ":")).encode(), binary)
 
 
 def _facing_outwards(scan: Scan) -> Integers:

@@ -54,6 +54,12 @@ def are_cut(places: Array, documents: Sequence[Mapping[str, Any]]) -> Booleans:
     return result
 
 
+def cut_in(cut: dict[str, Any], factor: float) -> dict[str, Any]:
+    """A cut by hand of the scan times the factor; the picture in which it was drawn is the same."""
+    turned, moved = cut["to_picture"][:12], cut["to_picture"][12:]
+    return cut | {"to_picture": [*(value / factor for value in turned), *moved]}
+
+
 def without_hand_cuts(scan: Scan, documents: Sequence[Mapping[str, Any]]) -> Scan:
     """The scan without these cuts (see HandCut.of). Raises BadScan where almost nothing is left."""
     left = without_cuts(scan.vertices, scan.faces, documents)

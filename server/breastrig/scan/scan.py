@@ -3,16 +3,18 @@
 Nothing is cleaned, turned or moved here, so whatever is found on it can be given back in the same frame.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from breastrig.core.arrays import Array, Integers, frozen
+from breastrig.core.errors import BadLandmarks
 from breastrig.core.stances import Stance
 from breastrig.scan.kept_image import KeptImage
 from breastrig.scan.piece import BallInside, SeenLandmark, TakenSegment
+from breastrig.scan.true_size import TrueSize
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +43,7 @@ class Scan:
     lesions: tuple[BallInside, ...] = ()  # that a label map shows, m
     wall: tuple[Array, Integers] | None = None  # (V, 3) m the chest wall that its file names, (F, 3) towards the front
     segments: tuple[TakenSegment, ...] = ()  # of a label map, and what each was taken for
+    true_size: TrueSize | None = None  # that it was scaled to; None: it has the size of its file
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", frozen(self.vertices))
@@ -69,6 +72,14 @@ class Scan:
     def measured(self) -> tuple[float, tuple[Array, Array]]:
         """The unit in m and the bounds, for places without a unit of their own."""
         return self.metres_per_unit, self.bounds
+
+    def in_true_size(self, size: TrueSize) -> "Scan":
+        """Scaled to its true size. Raises BadLandmarks for an image, whose file knows its own, and for a second one."""
+        if self.in_patient_frame:
+            raise BadLandmarks("An image has its true size already; leave the length out.")
+        if self.true_size is not None:
+            raise BadLandmarks("This scan has its true size already, by another length; leave this one out.")
+        return replace(self, vertices=size.factor * self.vertices, notes=(*self.notes, size.note), true_size=size)
 
     @cached_property
     def shows_colour(self) -> bool:

@@ -16,6 +16,7 @@ from breastrig.core.errors import BadScan
 from breastrig.scan.pictures.texture import written_anew
 from breastrig.scan.piece import BallInside, SeenLandmark
 from breastrig.scan.scan import Scan
+from breastrig.scan.true_size import kept_size
 
 STORED = "stored"  # the file type, for which no upload can pass
 FACTS = ("unit", "metres_per_unit", "unit_reason", "sha256", "notes", "from_points")
@@ -48,8 +49,13 @@ def write_stored(scan: Scan, path: Path) -> None:
 def read_stored(path: Path, texture: bool = True, for_display: bool = True) -> Scan:
     """The scan that `write_stored` wrote; no picture if not `texture`, the original one if not `for_display`.
 
-    BadScan when it is damaged.
+    It has its true size where a length is kept beside it.  BadScan when it is damaged.
     """
+    scan, size = _read(path, texture, for_display), kept_size(path.parent)
+    return scan if size is None else scan.in_true_size(size)
+
+
+def _read(path: Path, texture: bool, for_display: bool) -> Scan:
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             facts = json.loads(arrays["facts"].tobytes())

@@ -17,6 +17,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from breastrig.cases.lengths import End
 from breastrig.core.errors import BadInput, Conflict, NotFound, NotRemoved
 from breastrig.core.model_choice import model_choice
 from breastrig.core.stances import Stance
@@ -43,6 +44,7 @@ from breastrig.service.task_modules import TASK_MODULES
 from breastrig.storage.deletion import delete_empty_case, delete_scan, finish_deletions
 from breastrig.storage.documents.fits import NewFit, Once, StoredFit, add_fit, fits_of_scan, get_fit, made_before
 from breastrig.storage.documents.patients import said_same, scans_of_patient
+from breastrig.storage.documents.scans import put_length
 from breastrig.storage.files import fit_place
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, Unremoved, utc_now
@@ -166,6 +168,17 @@ class Service:
             _log_unremoved(left)
             raise NotRemoved(len(left))
 
+    def put_length(self, scan_id: str, length: tuple[End, End, float] | None) -> None:
+        """Gives the scan its true size, with None its file's, as `put_length` of the storage does and raises."""
+        self.proposals.drop(scan_id)
+        self.ink.drop(scan_id)
+        put_length(self.storage, scan_id, length)
+        for each in (scan_id, *fits_of_scan(self.storage, scan_id)):
+            self.pool.drop(each)
+        self.plans.forget()
+        self.line_checks.forget()
+        self.reports.forget()
+
     def delete_patient(self, patient_id: str) -> None:
         """Removes all scans of the patient with all that was made of them.  No such patient is no error.
 
@@ -227,6 +240,7 @@ class Service:
             confidence=fit.confidence,
             marks_mm=fit.marks_mm,
             cuts=fit.cuts,
+            scale=fit.scale,
             refine=True,
             predicted_from=fit_id,
         )

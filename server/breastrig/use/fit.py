@@ -26,6 +26,7 @@ from breastrig.gltf.pose_nodes import node_poses
 from breastrig.rig.named_parameters import Parameters, in_metres, parameters_by_name
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.skinning import pose
+from breastrig.scan.true_size import length_of
 from breastrig.use.folder.fit_files import write_fit_files
 from breastrig.use.landmarks import NOTHING, Landmarks, landmarks_in_mm
 from breastrig.use.scan import ScanLike, ScanSource
@@ -33,7 +34,6 @@ from breastrig.use.steps.events import Done, Event
 from breastrig.use.steps.outcome import FitOutcome, RecordedIterate, outcome_of, record, started
 from breastrig.use.steps.prepare import ReadyScan, check_prior, fit_plan, prepare_fit, read_model, scan_of_job
 from breastrig.use.steps.settings import FIRST, EarlierFit, FitJob, FitSettings
-from breastrig.use.steps.true_size import length_of
 from breastrig.use.values.fit_result import Fit, fit_of_outcome
 from breastrig.use.values.model import Model, Rig, files_of, public, with_cohort
 

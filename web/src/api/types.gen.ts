@@ -216,6 +216,7 @@ export type ExampleScan = {
   image?: ScanImage | null;
   frame: Frame;
   stance: Stance;
+  scale?: ScanScale | null;
   /** ISO 8601, UTC */
   created_at: string;
   /** name of the model that it is fitted with */
@@ -370,6 +371,15 @@ export type GivenLandmarkFile = {
   unit?: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   /** places on the skin of any name (moles, dots, ends of pen lines), in the unit, the scan's own frame; lines follow those that both scans have; null or left out: those stored with the scan stay */
   marks?: Record<string, [number, number, number]> | null;
+};
+
+/** A straight length that was measured on the patient, or on a ruler or printed tag in the scan. */
+export type GivenLength = {
+  /** a landmark or mark of the scan, or a place in mm, in the scan's frame and present size */
+  from: string | [number, number, number];
+  /** as `from` */
+  to: string | [number, number, number];
+  length_mm: number;
 };
 
 /** One polyline in an input: on a scan, or on the model. */
@@ -1451,6 +1461,7 @@ export type Scan = {
   image?: ScanImage | null;
   frame: Frame;
   stance: Stance;
+  scale?: ScanScale | null;
   /** ISO 8601, UTC */
   created_at: string;
   /** name of the model that it is fitted with */
@@ -1516,6 +1527,20 @@ export type ScanPage = {
   scans: Scan[];
   /** address of the next page, null on the last */
   next: string | null;
+};
+
+/** How the scan got its true size, which is that of all its places; absent where it has its file's. */
+export type ScanScale = {
+  /** from the size of the scan's file to the true one */
+  factor: number;
+  /** two landmarks or marks; `one place` and `another` have no name */
+  between: string[];
+  /** the straight way between them, as measured on the patient */
+  mm: number;
+  /** the same in the scan's file */
+  measured_mm: number;
+  /** both places, mm, in the scan's frame and true size */
+  ends: [number, number, number][];
 };
 
 export type ScanUpload = {

@@ -4,7 +4,7 @@ from apiflask import APIBlueprint
 
 from breastrig.api.app_context import app_context
 from breastrig.api.place_checks import check_near_scan
-from breastrig.api.routes.scans import TAG
+from breastrig.api.routes.scans.scans import TAG
 from breastrig.api.whose import check_whose
 from breastrig.api.wire.patients import SamePatient
 from breastrig.drawings.drawing_schema import OwnDrawing

@@ -90,6 +90,7 @@ def _new_fit(asked: wire.FitRequest) -> NewFit:
         confidence=picks.confidence,
         marks_mm=picks.marks_mm,
         cuts=get_cuts(context.service.storage, scan.id),
+        scale=scan.facts.get("scale", {}).get("factor", 1.0),
         refine=asked.refine,
         start_from=asked.start_from,
     )

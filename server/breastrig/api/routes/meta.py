@@ -3,7 +3,7 @@
 from apiflask import APIBlueprint
 
 from breastrig.api.app_context import app_context
-from breastrig.api.routes.scans import scan_answer
+from breastrig.api.routes.scans.scans import scan_answer
 from breastrig.api.wire import common as wire
 from breastrig.api.wire import meta as wire_meta
 from breastrig.core.notice import LIMITS_OF_USE

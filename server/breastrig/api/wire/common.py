@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from breastrig.core.stances import Stance as OneStance
 from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, LineUnit, SurfacePoint
+from breastrig.scan.true_size import LONGEST
 from breastrig.scan.volumes.answers import MOST_CHARACTERS
 from breastrig.use.steps.events import FitEvent, IterationNumbers, NodePose
 
@@ -195,6 +196,27 @@ class CutPlane(Wire):
     height_m: float = Field(description="along the normal, in the scan's own axes")
 
 
+class ScanScale(Wire):
+    """How the scan got its true size, which is that of all its places; absent where it has its file's."""
+
+    factor: float = Field(description="from the size of the scan's file to the true one")
+    between: list[str] = Field(description="two landmarks or marks; `one place` and `another` have no name")
+    mm: float = Field(description="the straight way between them, as measured on the patient")
+    measured_mm: float = Field(description="the same in the scan's file")
+    ends: list[Three] = Field(description="both places, mm, in the scan's frame and true size")
+
+
+class GivenLength(Wire):
+    """A straight length that was measured on the patient, or on a ruler or printed tag in the scan."""
+
+    start: Name | Point = Field(
+        alias="from",
+        description="a landmark or mark of the scan, or a place in mm, in the scan's frame and present size",
+    )
+    end: Name | Point = Field(alias="to", description="as `from`")
+    length_mm: FiniteFloat = Field(gt=0.0, le=LONGEST)
+
+
 class Scan(Wire):
     id: str
     patient: str = Field(description="id of the patient whose scan it is")
@@ -227,6 +249,7 @@ class Scan(Wire):
     image: ScanImage | None = Field(None, description="that the scan was made of; null for a surface or label map")
     frame: Frame
     stance: Stance
+    scale: ScanScale | None = Field(None, exclude_if=lambda found: found is None)
     created_at: str = Field(description="ISO 8601, UTC")
     model: str = Field(description="name of the model that it is fitted with")
     model_said: bool = Field(False, description="a person has said that this model is the right one (putScanModel)")

@@ -14,6 +14,7 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput, NotFound
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import read_ordinary, shown, write_private
+from breastrig.scan.true_size import length_of
 from breastrig.scan.volumes.answers import segments_of_words
 from breastrig.use.cases.case import Case, CaseScan
 
@@ -72,6 +73,20 @@ def landmarks(options: argparse.Namespace) -> int:
     case.put_landmarks(scan.id, options.landmarks)
     marks = len(case.marks(scan.id))
     print(f"{len(case.landmarks(scan.id))} landmarks{f', {marks} marks' if marks else ''}")
+    return 0
+
+
+def length(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    scan = _chosen(case, options.scan)
+    if options.remove:
+        case.delete_length(scan.id)
+        print("the size of its file")
+        return 0
+    given = length_of(options.put)
+    assert given is not None
+    case.put_length(scan.id, given.start, given.end, given.mm)
+    print(next(each.notes[-1] for each in case.scans if each.id == scan.id))
     return 0
 
 

@@ -27,7 +27,7 @@ from breastrig.fitting.prepare_scan import keeping
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.piece import COLOURLESS
 from breastrig.service.failed_tasks import FULL
-from breastrig.storage.documents.scans import StoredScan, cuts_digest, get_cuts, get_landmarks, get_scan
+from breastrig.storage.documents.scans import StoredScan, cuts_digest, get_cuts, get_factor, get_landmarks, get_scan
 from breastrig.storage.documents.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.storage import Storage
@@ -194,7 +194,7 @@ Proposer = Callable[[ProposeJob], dict[str, Any]]
 
 
 class Proposals(ScanSearch):
-    """The proposals of `propose_on_file` on each scan, by model and by the cuts by hand."""
+    """The proposals of `propose_on_file` on each scan, by model, cuts by hand and size."""
 
     what = "Finding landmarks"
     instead = "Place them by hand."
@@ -211,8 +211,9 @@ class Proposals(ScanSearch):
         return self.get(scan, self._variant(scan.id, model_sha256), wait_s)
 
     def _variant(self, scan_id: str, model_sha256: str) -> str:
-        """The hash of the model and of the cuts by hand."""
-        digest = cuts_digest(get_cuts(self._storage, scan_id))
+        """The hash of the model, of the cuts by hand and of the scan's true size."""
+        digest, factor = cuts_digest(get_cuts(self._storage, scan_id)), get_factor(self._storage, scan_id)
+        digest += "" if factor == 1.0 else f" {factor!r}"
         return hashlib.sha256(f"{model_sha256} {digest}".encode()).hexdigest() if digest else model_sha256
 
     def agreed(self, scan_id: str, model_sha256: str, picks: Picks) -> Picks:

@@ -1,6 +1,6 @@
 """Uploads and examples: a scan's bytes are read in a process of its own, and what was read of them becomes a scan.
 
-The way of an upload: `POST /api/scans` (api/routes/scans.py), `Uploads.add`, use/read_upload.py,
+The way of an upload: `POST /api/scans` (api/routes/scans/scans.py), `Uploads.add`, use/read_upload.py,
 storage/documents/scans.py, a case.
 """
 

@@ -36,6 +36,7 @@ class NewFit:
     confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of those that were proposed; absent: placed
     marks_mm: Points = field(default_factory=dict)  # of any names
     cuts: Cuts = ()  # of the scan, by hand
+    scale: float = 1.0  # of the scan, from its file's size
     refine: bool = False
     start_from: str | None = None  # an earlier fit of the same scan
     predicted_from: str | None = None  # of a prediction: the fit of the same scan, in another stance
@@ -136,7 +137,8 @@ def _row(case: CaseFolder, scan_id: str, fit_id: str) -> StoredFit:
     started = json.loads(lines[0][1]) if lines else {}
     iterated = [line for _, line in lines if line.startswith(b'{"kind":"iterated"')]
     numbers = json.loads(iterated[-1]) if iterated else None
-    state = fits.state_of(case.path / part, last)
+    folder = case.path / part
+    state = fits.state_of(folder, document, last)
     end = last if last is not None and last["kind"] in ENDED else {}
     asked = document.model_dump(exclude={"schema_", "asked_at", "key_sha256", "request_sha256", "stance", "simulated"})
     asked |= {"certain": tuple(document.certain), "cuts": tuple(document.cuts)}
@@ -152,7 +154,7 @@ def _row(case: CaseFolder, scan_id: str, fit_id: str) -> StoredFit:
         last_event=len(lines),
         iterations=len(iterated),
         numbers=None if numbers is None else {k: v for k, v in numbers.items() if k not in ("kind", "nodes")},
-        reason=end.get("reason"),
+        reason=fits.reason_of(folder, document, end),
         verdict=(end.get("result", {}).get("verdict") or {}).get("level"),
     )
 

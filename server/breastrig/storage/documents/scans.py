@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from breastrig.cases import of_scans
+from breastrig.cases import lengths, of_scans
 from breastrig.cases.case_folder import MadeScan, ScanEntry
 from breastrig.cases.documents import ScanDocument
 from breastrig.cases.writing import Changed
@@ -131,6 +131,25 @@ def put_cuts(storage: Storage, scan_id: str, cuts: Cuts, seen: str | None = None
         return False
     storage.index.refresh(case.id)
     return True
+
+
+def get_factor(storage: Storage, scan_id: str) -> float:
+    """From the size of the scan's file to that which it has. Raises NotFound."""
+    size = lengths.get_length(storage.case_of_scan(scan_id), scan_id)
+    return 1.0 if size is None else size.factor
+
+
+def put_length(storage: Storage, scan_id: str, length: tuple[lengths.End, lengths.End, float] | None) -> None:
+    """Gives the scan its true size (from, to, mm; as cases/lengths.py says), or with None its file's.
+
+    Raises NotFound, BadLandmarks, Conflict while a fit of it waits or runs.
+    """
+    case = storage.case_of_scan(scan_id)
+    if length is None:
+        lengths.delete_length(case, scan_id)
+    else:
+        lengths.put_length(case, scan_id, length[:2], length[2])
+    storage.index.refresh(case.id)
 
 
 def said_model(storage: Storage, patient_id: str, scan_id: str) -> str | None:

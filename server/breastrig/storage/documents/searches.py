@@ -47,6 +47,6 @@ def drop_ink(storage: Storage, scan_id: str, dropped: Mapping[str, bool]) -> dic
 
 def _drawing(found: InkDocument) -> dict[str, Any]:
     document = found.model_dump(mode="json", by_alias=True)
-    dropped = document.pop("dropped")
+    dropped, _ = document.pop("dropped"), document.pop("scale")
     shapes = [shape | {"dropped": True} if shape["name"] in dropped else shape for shape in document["shapes"]]
     return document | {"shapes": shapes}

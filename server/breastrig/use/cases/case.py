@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, ScanEntry
 from breastrig.cases.documents import FitDocument
-from breastrig.cases.fits import FitEntry, find_fit, fits_of_scan
+from breastrig.cases.fits import FitEntry, find_fit, fits_of_scan, reason_of
+from breastrig.cases.lengths import End, delete_length, put_length
 from breastrig.cases.of_scans import get_cuts, get_landmarks, put_cuts, put_landmarks
 from breastrig.cases.plans import get_plan, plan_versions, put_plan
 from breastrig.cases.removal import Left, delete_case, delete_scan, move_scan
@@ -29,6 +30,8 @@ from breastrig.scan.hand_cuts import read_cuts
 from breastrig.scan.images.added_lesions import TakenLesions
 from breastrig.scan.images.dicom_files import sha256_of
 from breastrig.scan.landmarks.marks import with_marks
+from breastrig.scan.landmarks.names import known_name
+from breastrig.scan.true_size import checked_mm
 from breastrig.scan.volumes.answers import checked_answers
 from breastrig.use.cases.case_work import (
     asked_fit,
@@ -76,6 +79,7 @@ class CaseScan:
     stance: str  # as its form shows it
     notes: tuple[str, ...]  # what reading found, one sentence each
     folder: Path
+    scale: float = 1.0  # from the size of its file to its true one, which all its places have
 
 
 class Case:
@@ -200,6 +204,30 @@ class Case:
         rig = loaded(model_choice(None).of(self._folder.scan(scan).facts))
         put_landmarks(self._folder, scan, with_marks(given, landmark_words(rig)))
 
+    def put_length(self, scan: str, start: str | ArrayLike, end: str | ArrayLike, mm: float) -> None:
+        """Gives the scan its true size by a straight length that was measured on the patient, in millimetres.
+
+        Both ends are names of the scan's landmarks or marks, or (3,) places in its unit and frame.  The scan and all
+        that is kept of it is scaled about the origin of its frame; fits of another size are then `cancelled`.
+        Raises BadLandmarks for a length that makes another size than a scan's errors do, Conflict while a fit of the
+        scan waits or runs, or another BadInput.
+        """
+        facts, picks = self._folder.scan(scan).facts, get_landmarks(self._folder, scan)
+        words = landmark_words(loaded(model_choice(None).of(facts)))
+        per_unit = 1e3 * METRES_PER_UNIT[facts["unit"]]
+
+        def named(end: str | ArrayLike) -> End:
+            if isinstance(end, str):
+                return end if end in picks.marks_mm else known_name(end, words)
+            place: list[float] = (per_unit * np.asarray(end, dtype=np.float64)).tolist()
+            return place
+
+        put_length(self._folder, scan, (named(start), named(end)), checked_mm(mm))
+
+    def delete_length(self, scan: str) -> None:
+        """Gives the scan the size of its file again; fits of that size count again.  Raises as `put_length`."""
+        delete_length(self._folder, scan)
+
     def put_cuts(self, scan: str, cuts: str | Path | Mapping[str, Any]) -> None:
         """Replaces what is cut away by hand: a file with what `GET /api/scans/ID/cuts` answers, or that itself.
 
@@ -265,7 +293,7 @@ class Case:
         if found.state == "failed":
             raise FitFailed(found.reason or "This fit failed; start it again.")
         if found.state != "done":
-            raise Conflict(f"This fit has no result: it is {found.state}.")
+            raise Conflict(found.reason or f"This fit has no result: it is {found.state}.")
         return Fit.load(found.folder, model)
 
     def plan(self, version: int | None = None) -> dict[str, Any]:
@@ -281,7 +309,7 @@ class Case:
             if one.id in named
         ]
         known = {"patient": self.code, "scans": scans}
-        return document.model_dump(mode="json", by_alias=True) | known
+        return document.model_dump(mode="json", by_alias=True, exclude={"sizes"}) | known
 
     @property
     def plan_etag(self) -> str:
@@ -357,21 +385,22 @@ def _scan(folder: CaseFolder, entry: ScanEntry) -> CaseScan:
         stance=facts["stance"]["proposed"],
         notes=tuple(facts.get("notes", ())),
         folder=folder.scan_folder(entry.id),
+        scale=facts.get("scale", {}).get("factor", 1.0),
     )
 
 
 def _fit(folder: CaseFolder, entry: FitEntry) -> CaseFit:
-    last = entry.last or {}
+    place, last = folder.path / layout.fit_part(entry.scan, entry.id), entry.last or {}
     result = last.get("result", {})
     return CaseFit(
         id=entry.id,
         scan=entry.scan,
         asked_at=entry.document.asked_at,
         state=entry.state,
-        reason=last.get("reason"),
+        reason=reason_of(place, entry.document, last),
         verdict=(result.get("verdict") or {}).get("level"),
         stance=result.get("stance"),
-        folder=folder.path / layout.fit_part(entry.scan, entry.id),
+        folder=place,
         predicted_from=entry.document.predicted_from,
     )
 

@@ -11,7 +11,7 @@ from typing import Any, cast
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, sync_file, utc_now
 from breastrig.cases.documents import FitDocument, ScanDocument
-from breastrig.cases.fits import CANCELLED, Claim, added, events_after, find_fit, fit_ids, get_fit
+from breastrig.cases.fits import CANCELLED, OTHER_SIZE, Claim, added, events_after, find_fit, fit_ids, get_fit
 from breastrig.cases.of_scans import get_cuts, get_landmarks
 from breastrig.cases.plans import add_lesions, put_items_of_scan
 from breastrig.cases.writing import replace
@@ -24,6 +24,7 @@ from breastrig.files.result import RESULT
 from breastrig.scan.images.added_lesions import NO_IMAGE, LesionsRead, TakenLesions
 from breastrig.scan.limits import TRIANGLES
 from breastrig.scan.stored_scan import read_stored, write_stored
+from breastrig.scan.true_size import kept_factor
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.use.fit import run_fit
 from breastrig.use.predict import PredictionJob, run_prediction
@@ -112,6 +113,7 @@ def asked_fit(case: CaseFolder, scan_id: str, **asked: Any) -> FitDocument:
         confidence=picks.confidence,
         marks_mm=picks.marks_mm,
         cuts=list(get_cuts(case, scan_id)),
+        scale=kept_factor(case.scan_folder(scan_id)),
         **asked,
     )
 
@@ -205,6 +207,8 @@ def job_of(case: CaseFolder, scan_id: str, asked: FitDocument, out: Path, model:
     """
     scan = case.scan(scan_id)
     facts = scan.facts
+    if asked.scale != kept_factor(case.scan_folder(scan_id)):
+        raise Conflict(OTHER_SIZE)
     if asked.predicted_from is not None:
         source = case.path / layout.fit_part(scan_id, asked.predicted_from)
         return PredictionJob(source, out, cast(Stance, asked.stance), asked.drawing, model)

@@ -185,7 +185,7 @@ def _distances(found: FoundDistances, model: Mapping[str, Array], picked: Mappin
 
 
 def _scale(outcome: FitOutcome) -> ResultScale | None:
-    size = outcome.ready.plan.size
+    size = outcome.ready.scan.true_size
     if size is None:
         return None
     between = [size.length.start, size.length.end]

@@ -128,7 +128,7 @@ def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], clock: Clo
         found.clearness,
         lesions=ready.scan.lesions,
         contradicted=ready.contradicted,
-        size_known=ready.plan.size is not None,
+        size_known=ready.scan.true_size is not None,
         unclear_stance=found.stance_reason in UNCLEAR,
         repeats=partial(_only_repeats, ready),
     )

@@ -2,36 +2,24 @@
 
 from collections.abc import Sequence
 from pathlib import PurePosixPath
-from typing import Any
 
 from apiflask import APIBlueprint
 from flask import Response
 
-from breastrig.api.answers import BINARY, GLB, PERSONAL, PNG, browser_forgets, bytes_answer, file_of, in_memory
+from breastrig.api.answers import BINARY, GLB, PNG, browser_forgets, file_of, in_memory, opened
 from breastrig.api.app_context import app_context
-from breastrig.api.errors import refuse
-from breastrig.api.place_checks import check_landmarks, given_picks, landmark_answer, picks_of_file, written_file
 from breastrig.api.wire import common as wire
 from breastrig.cases.case_folder import NO_SCAN
 from breastrig.core.errors import NotFound
-from breastrig.core.picks import Picks
-from breastrig.core.proposed import why_not_proposed
+from breastrig.gltf.scan_mesh import scaled_mesh
 from breastrig.scan.file_type import ENDINGS, UNKNOWN
 from breastrig.scan.kept_image import read_image
-from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.scan.volumes.answers import checked_answers, segments_of_json
 from breastrig.storage.documents.patients import StoredPatient, patients_of_scans
 from breastrig.storage.documents.scans import (
-    Cuts,
     StoredScan,
     cut_facts,
-    cuts_digest,
-    get_cuts,
-    get_landmarks,
     get_scan,
-    picks_digest,
-    put_cuts,
-    put_landmarks,
     said_model,
     say_model,
     scans_page,
@@ -42,12 +30,6 @@ from breastrig.use.read_upload import segment_facts
 TAG = {"name": "scans", "description": "Upload a scan, pick landmarks on it, delete it with everything made of it."}
 
 scans = APIBlueprint("scans", __name__, url_prefix="/api/scans", tag=TAG)
-
-CHANGED_CUTS = "Somebody has changed these cuts since you read them; read them again, and send them with yours."
-CHANGED_LANDMARKS = (
-    "Somebody has changed these landmarks since you read them; read them again, and send them with yours."
-)
-Landmarks = tuple[wire.LandmarkFile, int, dict[str, str]]
 
 
 @scans.post("")
@@ -148,7 +130,13 @@ def remove_scan(scan_id: str) -> tuple[str, int]:
 @scans.doc(operation_id="getScanMesh", responses={200: file_of(GLB, "The mesh, metres")})
 def show_mesh(scan_id: str) -> Response:
     """The scan for display: glTF, metres, the scan's own axes"""
-    return _file(scan_id, MESH, GLB, "This scan has no mesh; it may have been deleted.")
+    missing = "This scan has no mesh; it may have been deleted."
+    scale = get_scan(app_context().service.storage, scan_id).facts.get("scale")
+    if scale is None:
+        return _file(scan_id, MESH, GLB, missing)
+    with opened(_found(scan_id, MESH, missing)) as file:
+        mesh = scaled_mesh(file.read(), scale["factor"])
+    return app_context().patients_file([scan_id], in_memory(mesh), GLB)
 
 
 @scans.get("/<scan_id>/thumbnail.png")
@@ -191,102 +179,6 @@ def _found(scan_id: str, name: str, missing: str) -> OpenedFile:
     return file
 
 
-@scans.get("/<scan_id>/landmarks")
-@scans.output(wire.LandmarkFile)
-@scans.doc(operation_id="getLandmarks")
-def show_landmarks(scan_id: str) -> Landmarks:
-    """The landmarks picked so far, mm
-
-    The ETag is what a change may name as If-Match.
-    """
-    storage = app_context().service.storage
-    get_scan(storage, scan_id)
-    stored = get_landmarks(storage, scan_id)
-    return _landmarks_answer(stored)
-
-
-@scans.put("/<scan_id>/landmarks")
-@scans.input(wire.GivenLandmarkFile)
-@scans.input(wire.LandmarksHeaders, location="headers")
-@scans.output(wire.LandmarkFile)
-@scans.doc(operation_id="putLandmarks", responses={412: "Changed by somebody else meanwhile"})
-def replace_landmarks(
-    scan_id: str, json_data: wire.GivenLandmarkFile, headers_data: wire.LandmarksHeaders
-) -> Landmarks:
-    """Replace the landmarks, in the unit that they name
-
-    Names must be landmarks of the model; points must lie near the scan.  `certain` names those of them that a fit
-    follows whatever all else says, `confidence` those that were proposed and only agreed to.  `marks` have any other
-    names; without this field those stay that are stored.
-    """
-    context = app_context()
-    row = get_scan(context.service.storage, scan_id)
-    picks = given_picks(json_data, get_landmarks(context.service.storage, row.id))
-    check_landmarks(picks, row, context.model_of(row.facts))
-    picks = context.service.proposals.agreed(row.id, context.model_of(row.facts).rig.sha256, picks)
-    if not put_landmarks(context.service.storage, scan_id, picks, _tag(headers_data.if_match)):
-        now = picks_digest(get_landmarks(context.service.storage, scan_id))
-        raise refuse(412, CHANGED_LANDMARKS, {"ETag": f'"{now}"'})
-    return _landmarks_answer(picks)
-
-
-@scans.post("/<scan_id>/landmarks/file")
-@scans.input(wire.LandmarkUpload, location="files")
-@scans.output(wire.LandmarkFile)
-@scans.doc(operation_id="readLandmarkFile", responses={422: "Cannot be read"})
-def read_landmark_file(scan_id: str, files_data: wire.LandmarkUpload) -> wire.LandmarkFile:
-    """The landmarks of a file, mm
-
-    As the command line reads it: any kind of file, in the scan's frame, under the model's names.  Nothing is kept; send
-    them with PUT.
-    """
-    context = app_context()
-    row = get_scan(context.service.storage, scan_id)
-    found = picks_of_file(files_data.file.stream.read(LIMIT_BYTES + 1), row, context.model_of(row.facts))
-    return landmark_answer(found)
-
-
-@scans.post("/<scan_id>/landmarks/file/<kind>")
-@scans.input(wire.GivenLandmarkFile)
-@scans.doc(
-    operation_id="writeLandmarkFile",
-    responses={200: file_of(BINARY, "The file"), 422: "No kind of file"},
-)
-def write_landmark_file(scan_id: str, kind: str, json_data: wire.GivenLandmarkFile) -> Response:
-    """These landmarks as a file: json (mm), or csv, pp or mrk.json in the scan's unit
-
-    Nothing is kept.
-    """
-    unit = get_scan(app_context().service.storage, scan_id).facts["unit"]
-    return bytes_answer(written_file(json_data, kind, unit), BINARY, PERSONAL)
-
-
-@scans.get("/<scan_id>/cuts")
-@scans.output(wire.Cuts)
-@scans.doc(operation_id="getCuts")
-def show_cuts(scan_id: str) -> wire.Cuts:
-    """The cuts by hand of the scan"""
-    storage = app_context().service.storage
-    get_scan(storage, scan_id)
-    return cuts_answer(get_cuts(storage, scan_id))
-
-
-@scans.put("/<scan_id>/cuts")
-@scans.input(wire.CutsFile)
-@scans.input(wire.CutsHeaders, location="headers")
-@scans.output(wire.Cuts)
-@scans.doc(operation_id="putCuts", responses={412: "Changed by somebody else meanwhile"})
-def replace_cuts(scan_id: str, json_data: wire.CutsFile, headers_data: wire.CutsHeaders) -> wire.Cuts:
-    """Replace what is cut out of the scan
-
-    The scan itself stays whole; fits and proposals that are asked for from now on do not see what is cut.
-    """
-    cuts = tuple(cut.model_dump() for cut in json_data.cuts)
-    if not put_cuts(app_context().service.storage, scan_id, cuts, _tag(headers_data.if_match)):
-        raise refuse(412, CHANGED_CUTS)
-    return cuts_answer(cuts)
-
-
 @scans.put("/<scan_id>/model")
 @scans.input(wire.ScanModel)
 @scans.output(wire.Scan)
@@ -297,93 +189,6 @@ def confirm_model(scan_id: str, json_data: wire.ScanModel) -> wire.Scan:
     row = get_scan(service.storage, scan_id)
     say_model(service.storage, scan_id, json_data.model, service.models.name_of(row.facts))
     return scan_answer(row)
-
-
-@scans.get("/<scan_id>/landmarks/proposed")
-@scans.output(wire.ProposedLandmarks)
-@scans.doc(
-    operation_id="proposeLandmarks",
-    responses={202: "Still being looked for; ask again after Retry-After seconds", 422: "None can be proposed"},
-)
-def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
-    """Landmarks that the model proposes on this scan, mm; what the scan does not show is not proposed
-
-    The first call answers once they are found, most often within a second; later calls answer at once.
-    A large scan on a busy machine may take longer than a request should: then 202 comes first.  Proposals are for
-    a person to check, and are not stored as the scan's landmarks.  A fit finds by itself what only the form of the body
-    proposes: agreeing to it makes the fit no better, so that a landmark that stands where it was proposed keeps the
-    proposal's error unless `confidence` says 1, which is for who has looked closely.
-    """
-    context = app_context()
-    row = get_scan(context.service.storage, scan_id)
-    found = context.service.proposals.of(row, context.model_of(row.facts).rig.sha256, context.config.proposal_wait_s)
-    if found is None:
-        return Response(status=202, headers={"Retry-After": "1"})
-    return _proposed(found)
-
-
-@scans.get("/<scan_id>/ink")
-@scans.output(wire.Ink)
-@scans.doc(
-    operation_id="findInk",
-    responses={
-        202: "Still being looked for; ask again after Retry-After seconds",
-        422: "The scan has no colours, or too coarse ones",
-    },
-)
-def find_ink(scan_id: str) -> wire.Ink | Response:
-    """Lines that were drawn on the skin, mm
-
-    Read from the scan's colours. The first call answers once they are found, most often within two seconds; later
-    calls answer at once. They are for a person to accept; only then are they lines of the plan.
-    """
-    context = app_context()
-    row = get_scan(context.service.storage, scan_id)
-    found = context.service.ink.found(row, context.config.proposal_wait_s)
-    if found is None:
-        return Response(status=202, headers={"Retry-After": "1"})
-    return wire.Ink.model_validate(found)
-
-
-@scans.patch("/<scan_id>/ink")
-@scans.input(wire.InkChange)
-@scans.output(wire.Ink)
-@scans.doc(
-    operation_id="dropInk", responses={409: "Not looked for yet", 422: "A name that none of the found lines has"}
-)
-def drop_ink(scan_id: str, json_data: wire.InkChange) -> wire.Ink:
-    """Say which of the found lines are none of the plan
-
-    They stay among the found lines, marked as dropped, until this is taken back.
-    """
-    return wire.Ink.model_validate(app_context().service.ink.mark_dropped(scan_id, json_data.dropped))
-
-
-def _proposed(found: dict[str, Any]) -> wire.ProposedLandmarks:
-    """The proposals without landmarks that the scan does not show."""
-    landmarks, not_proposed = {}, {}
-    for name, each in found.items():
-        to_skin_mm = each.get("to_skin_mm", 0.0)  # earlier versions have not kept it
-        why = why_not_proposed(1e-3 * to_skin_mm, None if each["error_mm"] is None else 1e-3 * each["error_mm"])
-        if why is None:
-            landmarks[name] = {key: value for key, value in each.items() if key != "to_skin_mm"}
-        else:
-            not_proposed[name] = why
-    return wire.ProposedLandmarks.model_validate({"landmarks": landmarks, "not_proposed": not_proposed})
-
-
-def _tag(if_match: str | None) -> str | None:
-    """The text within the quotes of an If-Match header."""
-    return None if if_match is None else if_match.strip().removeprefix("W/").strip('"')
-
-
-def _landmarks_answer(picks: Picks) -> Landmarks:
-    return landmark_answer(picks), 200, {"ETag": f'"{picks_digest(picks)}"', "Cache-Control": "no-store"}
-
-
-def cuts_answer(cuts: Cuts) -> wire.Cuts:
-    """The cuts as the API shows them."""
-    return wire.Cuts.model_validate({"cuts": cuts, "digest": cuts_digest(cuts)})
 
 
 def scan_answer(row: StoredScan) -> wire.Scan:

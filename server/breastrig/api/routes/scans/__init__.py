@@ -1,0 +1,1 @@
+"""Scans, and what is kept of each."""
