@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from flask.testing import FlaskClient
 from helpers.problems import problem
+from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended, until
 
 from breastrig.api.app import create_app
@@ -35,7 +36,9 @@ def test_a_fit_that_is_not_done_has_no_checks_yet(client: FlaskClient, scan_id: 
 
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, FlaskClient]]:
-    service = Service(Storage(tmp_path_factory.mktemp("real")), fits=FitLimits(workers=1, grace_s=0.1))
+    service = Service(
+        Storage(tmp_path_factory.mktemp("real")), runner=run_fit_once, fits=FitLimits(workers=1, grace_s=0.1)
+    )
     with service.started():
         yield service, create_app(Config(), service).test_client()
 

@@ -9,6 +9,7 @@ import numpy as np
 import pypdf
 import pytest
 from flask.testing import FlaskClient
+from helpers.blank_pictures import blank_pictures_in_reports
 from helpers.problems import problem
 from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
@@ -49,7 +50,8 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
     storage = Storage(tmp_path_factory.mktemp("predictions"))
     fits = FitLimits(workers=1, grace_s=0.1)
     service = Service(storage, runner=run_fit_once, fits=fits)
-    with service.started():
+    with service.started(), pytest.MonkeyPatch.context() as patch:
+        blank_pictures_in_reports(patch)
         client = create_app(Config(), service).test_client()
         scan = client.post("/api/examples/standing").json
         picked = scan["example_landmarks"]["landmarks"]

@@ -54,8 +54,8 @@ def test_an_upload_says_what_was_read(client: FlaskClient, torso: bytes) -> None
 @pytest.mark.slow
 def test_no_word_and_no_name_of_an_upload_is_kept_anywhere(client: FlaskClient, service: Service) -> None:
     scans = []
-    for kind, make in NAMED.items():
-        data = make()
+    for kind in ("glb", "zip"):  # the other formats are kept in the same form: tests/scan/test_stored_scan.py
+        data = NAMED[kind]()
         answer = upload(client, data, f"{NAME}.{kind.rsplit('.', 1)[-1]}")
         assert answer.status_code == 201, answer.json
         scans.append(answer.json["links"]["self"])
@@ -63,7 +63,7 @@ def test_no_word_and_no_name_of_an_upload_is_kept_anywhere(client: FlaskClient, 
         assert {path.name for path in place.iterdir()} == {"scan.json", "scan.stored", "mesh.glb", "thumbnail.png"}
         assert get_scan(service.storage, answer.json["id"]).sha256 == hashlib.sha256(data).hexdigest()
     assert NAME.encode() not in kept_below(service.storage.root)
-    assert [client.delete(scan).status_code for scan in scans] == [204] * len(NAMED)
+    assert [client.delete(scan).status_code for scan in scans] == [204] * len(scans)
 
 
 def test_the_mesh_for_display_is_a_glb_that_no_browser_keeps(client: FlaskClient, scan_id: str) -> None:

@@ -40,15 +40,12 @@ def torso() -> Rig:
     return read_rig(default_rig_path())
 
 
-def test_the_tables_are_those_of_the_program(reference: ModuleType, torso: Rig, repository: Path) -> None:
-    for name, blocks_of in reference.PAGES.items():
-        text = (repository / "docs" / "reference" / name).read_text("utf-8")
-        assert reference.faults(text, blocks_of(torso)) == [], f"{name}: run python docs/reference/generate.py"
-
-
-def test_a_part_that_is_left_out_or_old_is_found(reference: ModuleType, torso: Rig, repository: Path) -> None:
+def test_the_tables_are_those_of_the_program_and_a_part_that_is_left_out_or_old_is_found(
+    reference: ModuleType, torso: Rig, repository: Path
+) -> None:
     for name, blocks_of in reference.PAGES.items():
         text, blocks = (repository / "docs" / "reference" / name).read_text("utf-8"), blocks_of(torso)
+        assert reference.faults(text, blocks) == [], f"{name}: run python docs/reference/generate.py"
         assert blocks
         for block, now in blocks.items():
             whole = f"<!-- data: {block} -->\n{now}<!-- end -->"
@@ -117,16 +114,13 @@ def test_every_pattern_and_drawing_has_its_picture(reference: ModuleType, reposi
         assert f"](../pictures/patterns/{name}.webp)" in text, f"python docs/reference/pictures.py makes that of {name}"
 
 
-def test_every_message_is_explained(reference: ModuleType, torso: Rig, repository: Path) -> None:
+def test_every_message_is_explained_and_one_that_is_left_out_or_not_said_is_found(
+    reference: ModuleType, torso: Rig, repository: Path
+) -> None:
     for name, messages in reference.MESSAGES.items():
         text, said = (repository / "docs" / "reference" / name).read_text("utf-8"), messages(torso)
         assert reference.missing(text, said) == [], f"add a row for each to a table of {name}"
         assert reference.unsaid(text, said) == [], f"the program does not say these any more: mend {name}"
-
-
-def test_a_message_that_is_left_out_or_not_said_is_found(reference: ModuleType, torso: Rig, repository: Path) -> None:
-    for name, messages in reference.MESSAGES.items():
-        text, said = (repository / "docs" / "reference" / name).read_text("utf-8"), messages(torso)
         rows = reference.explained(text)
         assert min(len(said), len(rows)) > 20
         for one in said:

@@ -1,4 +1,4 @@
-"""Counts the work of one task in a process of its own: `python -m helpers.counted_work TASK` prints it as JSON.
+"""Counts the work of tasks, one after the other in a process of its own: `python -m helpers.counted_work` prints JSON.
 
 What is counted does not depend on the machine's speed: calls of the few operations that cost the most, and modules.
 """
@@ -31,6 +31,7 @@ NOT_NEEDED = (  # by a fit of a mesh without pictures
 )
 
 counts: Counter[str] = Counter()
+made: list[Any] = []  # the fit of `second_fit`
 
 
 def _counting(what: str, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -106,58 +107,59 @@ def command(folder: Path) -> None:
     count_from_here()
     scan, picks = EXAMPLE / "scan.ply", EXAMPLE / "landmarks.json"
     assert main(["fit", str(scan), "--landmarks", str(picks), "-o", str(folder / "out")]) == 0
-
-
-def upload(folder: Path) -> None:
-    """What a service does with an uploaded scan."""
-    from breastrig.use.read_upload import UploadJob, read_upload
-
-    count_from_here()
-    names = {each: folder / each for each in ("kept", "mesh", "thumbnail", "volume")}
-    read_upload(UploadJob(scan=EXAMPLE / "scan.ply", units="auto", triangles=10**6, **names))
+    counts["modules_of_breastrig"] = sum(each.startswith("breastrig.") for each in sys.modules)
+    counts["modules"] = len(sys.modules)
+    counts["libraries_not_needed"] = sum(each in sys.modules for each in NOT_NEEDED)
 
 
 def second_fit(folder: Path) -> None:
     """The second `breastrig.fit` of a program, or the second row of a batch, with its files."""
     import breastrig
 
-    breastrig.fit(EXAMPLE / "scan.ply", EXAMPLE / "landmarks.json").save(folder / "first")
-    count_from_here()
-    breastrig.fit(EXAMPLE / "scan.ply", EXAMPLE / "landmarks.json").save(folder / "second")
+    counts.clear()
+    made.append(breastrig.fit(EXAMPLE / "scan.ply", EXAMPLE / "landmarks.json"))
+    made[0].save(folder / "second")
 
 
 def drag(folder: Path) -> None:
     """One position of a landmark that is dragged, after the first."""
-    import breastrig
     from breastrig.gltf.pose_nodes import node_poses
     from breastrig.scan.landmarks.landmark_files import read_landmarks
     from breastrig.use.moving.moved_landmarks import follow_landmarks, moved_landmarks
     from breastrig.use.steps.settings import EarlierFit, FitJob
 
-    fit = breastrig.fit(EXAMPLE / "scan.ply", EXAMPLE / "landmarks.json", drawing=None)
+    (fit,) = made
     places, _ = read_landmarks(EXAMPLE / "landmarks.json")
     picks = {name: [float(x) for x in place] for name, place in places.items()}
     found = fit.in_metres
     earlier = EarlierFit(fit.stance, node_poses(found.rig, found.parameters), found.rig.sha256)
     job = FitJob(EXAMPLE / "scan.ply", folder, picks, stance=fit.stance, drawing=None, earlier=earlier)
     follow_landmarks("fit", job, (), picks)
-    count_from_here()
+    counts.clear()
     picks["nipple_L"][0] += 4.0
     assert moved_landmarks("fit", picks) is not None
 
 
-TASKS = {each.__name__: each for each in (command, upload, second_fit, drag)}
+def upload(folder: Path) -> None:
+    """What a service does with an uploaded scan, in a process that has the model ready."""
+    from breastrig.use.read_upload import UploadJob, read_upload
+
+    counts.clear()
+    names = {each: folder / each for each in ("kept", "mesh", "thumbnail", "volume")}
+    read_upload(UploadJob(scan=EXAMPLE / "scan.ply", units="auto", triangles=10**6, **names))
 
 
-def main(name: str) -> None:
+TASKS = {each.__name__: each for each in (command, second_fit, drag, upload)}  # in this order
+
+
+def main() -> None:
+    done = {}
     with tempfile.TemporaryDirectory() as folder:
-        TASKS[name](Path(folder))
-    if name == "command":
-        counts["modules_of_breastrig"] = sum(each.startswith("breastrig.") for each in sys.modules)
-        counts["modules"] = len(sys.modules)
-        counts["libraries_not_needed"] = sum(each in sys.modules for each in NOT_NEEDED)
-    sys.stdout.write(json.dumps(counts) + "\n")
+        for name, task in TASKS.items():
+            task(Path(folder))
+            done[name] = dict(counts)
+    sys.stdout.write(json.dumps(done) + "\n")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main()

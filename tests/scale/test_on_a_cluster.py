@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from helpers import fake_fit
+from helpers.blank_pictures import blank_pictures_in_reports
 from helpers.installations import Large
 from helpers.installed_service import Running, serving
 from helpers.on_disk import kept_below
@@ -128,7 +129,8 @@ def test_after_a_restart_every_fit_goes_on(large: Large, model: Path, torso: byt
         assert running.client.get(fits[0]["links"]["result"]).status_code == 200
 
 
-def test_a_real_fit_and_all_that_is_made_of_it(large: Large, tmp_path: Path) -> None:
+def test_a_real_fit_and_all_that_is_made_of_it(large: Large, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    blank_pictures_in_reports(monkeypatch)
     with serving(large, tmp_path / "data", default_rig_path(), run_fit) as running:
         scan = running.client.post("/api/examples/standing").json
         fit = asked(running, scan, landmarks=scan["example_landmarks"]["landmarks"], drawing="lumpectomy")
