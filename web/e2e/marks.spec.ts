@@ -50,5 +50,29 @@ test("a mark is placed and named on one scan and found again on the other", asyn
   await page.keyboard.press("Control+z");
   await expect(row).not.toHaveClass(/is-placed/);
   await expect.poll(() => marks(supine)).toBeUndefined();
+
+  // a length that was measured on the patient: two clicks, here a landmark and a click, and a number
+  await page.keyboard.press("1");
+  await page.locator("#details > summary").click();
+  const size = page.getByRole("region", { name: "True size" });
+  await size.getByRole("button", { name: "Click both ends" }).click();
+  await expect(size).toContainText("Click the first end on the scan.");
+  const [before, nipple] = [(await hook.pick(page, "mid_sternum"))!, (await hook.pick(page, "nipple_L"))!];
+  for (const [end, says] of [[before, "Click the other end."], [nipple, "In the scan it is"]] as const) {
+    await untilStill(page);
+    const { x, y } = await hook.project(page, end);
+    await page.mouse.click(x, y);
+    await expect(size).toContainText(says);
+  }
+  await size.getByLabel("From").selectOption("mid_sternum");
+  await size.getByLabel("On the patient").fill((1.05 * distance(before, nipple) / 10).toFixed(2));
+  await size.getByLabel("On the patient").press("Tab");
+  await size.getByRole("button", { name: "Apply" }).click();
+  await expect(size).toContainText(/Scaled by 1\.0[45]\d: .+ to another is/);
+  const factor = await page.evaluate(() => window.__breastrig!.state().scan!.info.scale!.factor);
+  expect(distance((await hook.pick(page, "mid_sternum"))!, before.map((value) => factor * value) as typeof before), "mm").toBeLessThan(0.01);
+  await size.getByRole("button", { name: "Take out" }).click();
+  await expect(size).not.toContainText("Scaled by");
+  expect(await hook.pick(page, "mid_sternum")).toEqual(before);
   expect(troubles).toEqual([]);
 });

@@ -11,6 +11,7 @@ import type { Checks,
   Fit,
   FitLinks,
   FitRequest,
+  GivenLength,
   Ink,
   LandmarkFile,
   MeasuresFile,
@@ -104,7 +105,7 @@ export async function askJson<Body>(path: string, method = "GET", body?: unknown
 const bytes = async (path: string): Promise<ArrayBuffer> => (await ask(path)).arrayBuffer();
 const id = encodeURIComponent;
 
-// A scan never changes, and no browser keeps what shows a patient: the last two, both stances of one patient, stay in memory.
+// A scan changes with its size alone, and no browser keeps what shows a patient: the last two, both stances of one patient, stay in memory.
 const KEPT_MESHES = 2;
 const meshes = new Map<string, Promise<ArrayBuffer>>();
 
@@ -116,6 +117,14 @@ function mesh({ links }: Scan): Promise<ArrayBuffer> {
   found.catch(() => meshes.delete(links.mesh));
   return found;
 }
+
+/** In another size it is another mesh. */
+async function resized(scan: Scan, method: "PUT" | "DELETE", length?: GivenLength): Promise<Scan> {
+  const info = await askJson<Scan>(`${scan.links.self}/length`, method, length);
+  meshes.delete(scan.links.mesh);
+  return info;
+}
+
 const KEPT_ALIVE_BYTES = 60_000; // the standard allows 64 kB for all of a page together
 
 /** Proxies that compress make the tag a weak one. */
@@ -176,6 +185,10 @@ export const client = {
     const body = JSON.stringify({ cuts });
     return (await (await ask(scan.links.cuts, { method: "PUT", body, headers: tagging(seen), keepalive: body.length < KEPT_ALIVE_BYTES })).json()) as Cuts;
   },
+  /** Its true size by a straight length that was measured on the patient. */
+  putLength: (scan: Scan, length: GivenLength) => resized(scan, "PUT", length),
+  /** The size of its file again. */
+  deleteLength: (scan: Scan) => resized(scan, "DELETE"),
   /** The scan's model is the right one. */
   sayModel: ({ links, model }: Pick<Scan, "links" | "model">) => askJson<Scan>(`${links.self}/model`, "PUT", { model }),
   /** 202 means: still looking, ask again in so many seconds. */

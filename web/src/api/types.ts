@@ -13,6 +13,7 @@ export type {
   Fit,
   FitLinks,
   FitRequest,
+  GivenLength,
   Ink,
   InkShape,
   Iterated,

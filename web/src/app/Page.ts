@@ -133,7 +133,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const numbers = later(
     (state: Session) => ({ meta: state.meta, fit: state.fit, old: outdated(state), lines: linesOn(state), asks: asksOf(state) }),
     ({ fit }) => fit !== null,
-    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, asks: asksOf, again: () => void actions.fit.start(), anotherFile: (file) => void actions.bring.files([file]), setPoints }),
+    async () => (await import("../fit/distances/NumbersPanel")).createNumbersPanel<Session>({ outdated, asks: asksOf, again: () => void actions.fit.start(), anotherFile: (file) => void actions.bring.files([file]), setPoints, giveLength: () => giveLength() }),
   );
   const check = later(
     only("meta", "checks"),
@@ -143,13 +143,22 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const doubt = later(
     only("asked", "scan", "confirmed", "drawn", "stances", "problems", "stance", "fit"),
     (state: Doubtful & Pick<Session, "problems" | "stance">) => openDoubt(state) !== null,
-    async () => (await import("../checks/DoubtCard")).createDoubtCard({ ...actions, size: { isRight: actions.bring.sizeIsRight, is: (units) => void actions.bring.again({ units }), anotherFile: (file) => void actions.bring.files([file]) } }),
+    async () => (await import("../checks/DoubtCard")).createDoubtCard({ ...actions, size: { isRight: actions.bring.sizeIsRight, is: (units) => void actions.bring.again({ units }), anotherFile: (file) => void actions.bring.files([file]), measure: giveLength } }),
   );
+  const size = withScan(async () => (await import("../landmarks/size/SizeRow")).createSizeRow(actions.size));
+  /** Where a measured length is given, and the clicks that it takes. */
+  const giveLength = (): void => {
+    actions.scan.confirm(); // the size is not asked about any more
+    actions.page.goTo("body");
+    (document.getElementById("details") as HTMLDetailsElement).open = true;
+    actions.size.measure();
+    size.element.scrollIntoView({ block: "nearest" });
+  };
   const sentence = withScan(async () => (await import("./frame/Sentence")).createSentence(actions));
   const timeline = createTimeline(actions.player);
   const side = createSidePanel(
     {
-      body: createBodyPanel(() => actions.page.goTo("points"), [sentence.element, ink.scan, scan.asked, fit.element, numbers.element], [timeline.element, scan.element, fit.settings]),
+      body: createBodyPanel(() => actions.page.goTo("points"), [sentence.element, ink.scan, scan.asked, fit.element, numbers.element], [timeline.element, scan.element, size.element, fit.settings]),
       points: el("div", { class: "panel" }, guide.element, landmarks.element),
       plan: plan.element,
       handover: handOver.element,

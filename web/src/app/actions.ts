@@ -8,6 +8,7 @@ import { fitActions } from "../fit/actions";
 import { createFollower } from "../fit/playback/follower";
 import { createPlayer } from "../fit/playback/playback";
 import { landmarkActions } from "../landmarks/actions";
+import { sizeActions } from "../landmarks/size/actions";
 import { createProposalSearch } from "../landmarks/proposals/proposalSearch";
 import { patientActions } from "../patients/actions";
 import { planActions } from "../plan/actions";
@@ -44,6 +45,14 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   const guarded = leaving.guarded(scan);
   const stances = stancesActions(store, client, { scan, fit, landmarks, drawing, plan, begin: () => bring.begin() });
   const bring = bringActions(store, client, { scan: guarded, stances, fit, landmarks, plan });
+  const size = sizeActions(store, client, {
+    flush: () => Promise.all([landmarks.flush(), drawing.flush().then(() => plan.settled()), scan.settled()]),
+    reopen: ({ id }) => {
+      const shown = store.get().scan;
+      return scan.open(id, shown?.frameFrom === "person" ? shown.frame : null);
+    },
+    begin: bring.begin,
+  });
   const patients = patientActions(store, client, outbox);
   const deletion = deletionActions(store, client, { scan, fit, stances, patients }, outbox);
   return {
@@ -55,6 +64,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     unsaved: keepTrying(store, outbox, [landmarks, plan, scan]),
     deletion,
     landmarks,
+    size,
     drawing,
     handles: handleActions(store, client, drawing.choosePattern),
     plan,

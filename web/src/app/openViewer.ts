@@ -20,6 +20,7 @@ import { listenToFingers } from "../landmarks/fingers";
 import { LandmarkPins } from "../landmarks/LandmarkPins";
 import { ModelPicture } from "../landmarks/ModelPicture";
 import { ProposalPins } from "../landmarks/proposals/ProposalPins";
+import { RulerPins } from "../landmarks/size/RulerPins";
 import { listenToLasso } from "../scan/cropping/CropTool";
 import { ScanMesh } from "../scan/ScanMesh";
 import { errors as scanErrors } from "../scan/text";
@@ -47,7 +48,7 @@ import type { Session } from "./session";
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
   ...(["meta", "models", "theme", "step", "overlay", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
-  ...(["picks", "certain", "proposals", "active", "beside", "fit", "followed", "showDistances", "drawing", "drawn", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
+  ...(["picks", "certain", "proposals", "active", "beside", "ruler", "fit", "followed", "showDistances", "drawing", "drawn", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number]>;
 
@@ -69,6 +70,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
   const fitted = new FittedSurface(viewer, ready("distances", fitErrors.surface));
   const pins = new LandmarkPins(viewer, scan);
   const proposed = new ProposalPins(viewer, scan);
+  const ruler = new RulerPins(viewer, scan);
   const own = new OwnLines(viewer, scan);
   const corners = new CornerPins(viewer, scan);
   const loupe = new Loupe(viewer, scan, stage.canvas);
@@ -89,6 +91,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     corners,
     new MeasureLines(viewer, false),
     { update: (state) => pins.update(state, isFree(state)) },
+    ruler,
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),
     new ScaleBar(viewer),

@@ -2,6 +2,7 @@
 // when it is left.
 import { startDrawn } from "../drawing/state";
 import type { LandmarkActions } from "../landmarks/actions";
+import { initialRuler } from "../landmarks/size/ruler";
 import { startLandmarks } from "../landmarks/state";
 import { standing } from "../landmarks/straighten";
 import type { ScanContents } from "../scan/actions";
@@ -15,7 +16,7 @@ export function scanContents(landmarks: Pick<LandmarkActions, "read">, plan: Pic
     async read(info) {
       const [saved, { lines, drawing, ...words }] = await Promise.all([landmarks.read(info).catch(() => null), plan.read(info)]);
       const picks = saved?.picks ?? {};
-      const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain, saved?.saving), drawn: startDrawn(lines, words), drawing, fit: null, isStarting: false, stance: "auto" };
+      const state: Partial<Session> = { ...startLandmarks(picks, saved?.certain, saved?.saving), ...initialRuler, drawn: startDrawn(lines, words), drawing, fit: null, isStarting: false, stance: "auto" };
       return { state, stands: standing(info.frame, picks) };
     },
     none: (): Partial<Session> => ({
@@ -23,6 +24,7 @@ export function scanContents(landmarks: Pick<LandmarkActions, "read">, plan: Pic
       certain: {},
       proposals: null,
       active: null,
+      ...initialRuler,
       drawn: startDrawn(),
       fit: null,
       isStarting: false,

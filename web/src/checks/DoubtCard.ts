@@ -28,7 +28,7 @@ export interface DoubtActions {
   readonly scan: Pick<ScanActions, "answer">;
   readonly stances: Pick<StancesActions, "samePatient" | "leaveUnanswered" | "dismiss">;
   readonly drawing: Pick<DrawingActions, "takeAnother" | "leaveAnother">;
-  readonly size: { readonly isRight: () => void; readonly is: (units: UnitChoice) => void; readonly anotherFile: (file: File) => void };
+  readonly size: { readonly isRight: () => void; readonly is: (units: UnitChoice) => void; readonly anotherFile: (file: File) => void; readonly measure: () => void };
 }
 
 interface Asked {
@@ -80,7 +80,7 @@ export function createDoubtCard(actions: DoubtActions): Panel<Shown> {
       const { info, file, frame } = scan!;
       const tall = 1000 * sizeIn(frame, info.frame, info.size_m!)[1];
       const others = file === null ? [] : UNITS.filter((unit) => unit !== info.unit).map((unit) => button(words.as(unitNames[unit], formatCm(mmFrom(toUnit(tall, info.unit), unit) / 1000)), () => actions.size.is(unit), "outlined"));
-      return { title: words.title, says: [info.size_doubt ?? "", ...(file === null ? [words.otherFile] : [])], answers: [button(words.right, () => actions.size.isRight(), "primary"), ...others, fileButton(words.anotherFile, ANY_FILE, "outlined wide", actions.size.anotherFile)] };
+      return { title: words.title, says: [info.size_doubt ?? "", ...(file === null ? [words.otherFile] : [])], answers: [button(words.right, () => actions.size.isRight(), "primary"), button(words.measure, () => actions.size.measure(), "outlined wide"), ...others, fileButton(words.anotherFile, ANY_FILE, "outlined wide", actions.size.anotherFile)] };
     },
   };
 

@@ -32,6 +32,7 @@ export const drawing = {
 export const size = {
   title: "Is the size right?",
   right: "Yes, the size is right",
+  measure: "Give a length measured on the patient",
   as: (unit: string, cm: string) => `${unit}: ${cm}\u00a0cm`,
   otherFile: "To read it in another unit, load its file again: this page does not keep it.",
   anotherFile: "Choose another file",

@@ -21,6 +21,7 @@ export const verdict = {
   check: (count: number) => (count === 1 ? "One point first" : `${["No", "One", "Two", "Three"][count] ?? count} points first`),
   cannot: "Cannot be used",
   anotherFile: "Choose another file",
+  giveLength: "Give a measured length",
   setPoints: "It is one: set three points",
   look: "Look at this first",
   draw: (wide: string) => `Draw with lines ${wide}`,

@@ -16,12 +16,13 @@ import { marks as marksText } from "./marks/text";
 import { exchanged, isMark, markCalled, markKey, nextMissing, type Picks, picksOf, placesOf, renamed, withoutPick, withPick } from "./picks";
 import { isFelt, onlyAgreed } from "./proposals/agreed";
 import { openProposals } from "./proposals/proposals";
+import { isRuler, type RulerSlice, withEnd } from "./size/ruler";
 import type { LandmarksSlice } from "./state";
 import { straightened } from "./straighten";
 import * as text from "./text";
 import { certainWith, type KeptPicks, together, withTheirs } from "./together";
 
-type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & MarksSlice;
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & MarksSlice & RulerSlice;
 
 const PAUSE_MS = 400; // a run of quick clicks is one save
 
@@ -231,6 +232,7 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
       const state = store.get();
       const name = state.active;
       if (name === null) return;
+      if (isRuler(name)) return store.set(withEnd(state, name, point));
       const picks = withPick(state.picks.present, name, point);
       if (isMark(name)) {
         const next = name in state.beside && !(name in state.picks.present) ? nextBeside(state.beside, picks, name) : null;

@@ -361,6 +361,8 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
     volume: (scan: Scan): Promise<ArrayBuffer> => client.volume(scan),
 
     retry,
+    /** When the cuts that were made are saved. */
+    settled: (): Promise<void> => saving,
     showRelief: (showRelief: boolean): void => store.set({ showRelief }),
     showLoose: (showLoose: boolean): void => store.set({ showLoose }),
     showColours: (showColours: boolean): void => store.set({ showColours }),

@@ -9,7 +9,7 @@ export type Step = "body" | "points" | "plan" | "handover";
 export type Theme = "system" | "light" | "dark";
 
 /** Where on the page something can go wrong: the message is shown there. */
-export type Place = "service" | "scan" | "landmarks" | "fit" | "model" | "distances" | "drawing" | "stances" | "share" | "page";
+export type Place = "service" | "scan" | "size" | "landmarks" | "fit" | "model" | "distances" | "drawing" | "stances" | "share" | "page";
 
 export interface PageSlice {
   readonly meta: Meta | null;

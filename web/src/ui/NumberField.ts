@@ -5,7 +5,7 @@ import { numberField as words } from "./text";
 
 export interface Range {
   readonly label: string;
-  readonly unit: string; // mm, deg, h (an hour of the clock) or none
+  readonly unit: string; // mm, cm, deg, h (an hour of the clock) or none
   readonly min: number | null;
   readonly max: number | null;
 }
@@ -14,7 +14,7 @@ const HOUR = /^(\d{1,2})[:.h]([0-5]\d)$/;
 
 /** The number that is written; a sentence for what is none, may be read in two ways, or is out of range. */
 export function readNumber(written: string, range: Range): number | string {
-  const text = written.trim().replace("\u2212", "-").replace(/\s*(mm|°|o'clock)$/, "").replace(/\s*½$/, ".5");
+  const text = written.trim().replace("\u2212", "-").replace(range.unit === "cm" ? /\s*cm$/ : /\s*(mm|°|o'clock)$/, "").replace(/\s*½$/, ".5");
   const time = range.unit === "h" && text.includes(":") ? HOUR.exec(text) : null;
   if (time) return within(Math.round((Number(time[1]) + Number(time[2]) / 60) * 100) / 100, range);
   if (/[.,].*[.,]/.test(text) || /^-?[1-9]\d{0,2},\d{3}$/.test(text)) return words.unclear(range.label, written.trim());

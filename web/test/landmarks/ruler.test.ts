@@ -1,0 +1,50 @@
+import { expect, test, vi } from "vitest";
+import type { Client } from "../../src/api/client";
+import { ApiError } from "../../src/api/client";
+import type { Scan } from "../../src/api/types";
+import { sizeActions } from "../../src/landmarks/size/actions";
+import type { Picks } from "../../src/landmarks/picks";
+import { initialRuler, inScan, isRuler, rulerKey, sentEnd, withEnd } from "../../src/landmarks/size/ruler";
+import { initialSession, type Session } from "../../src/app/session";
+import { createStore } from "../../src/store/store";
+
+const picks: Picks = { nipple_L: [10, 0, 0], "mark:dot": [10, 30, 40] };
+
+test("two clicks are its ends, in their order; either may be a landmark or mark instead", () => {
+  const first = withEnd(initialRuler, rulerKey("from"), [0, 0, 0]);
+  expect(first).toEqual({ ruler: { from: [0, 0, 0], to: null }, active: rulerKey("to") });
+  expect(withEnd(first, rulerKey("to"), [3, 4, 0])).toEqual({ ruler: { from: [0, 0, 0], to: [3, 4, 0] }, active: null });
+  expect(withEnd({ ruler: { from: null, to: "nipple_L" } }, rulerKey("from"), [0, 0, 0]).active).toBeNull();
+  expect([isRuler(rulerKey("from")), isRuler("nipple_L")]).toEqual([true, false]);
+});
+
+test("its length in the scan follows the landmarks, and is unknown while an end is", () => {
+  expect(inScan({ from: "nipple_L", to: "mark:dot" }, picks)).toBe(50);
+  expect(inScan({ from: "nipple_L", to: [10, 0, 7] }, picks)).toBe(7);
+  expect(inScan({ from: "nipple_L", to: "nipple_R" }, picks)).toBeNull();
+  expect(inScan({ from: "nipple_L", to: null }, picks)).toBeNull();
+  expect([sentEnd("mark:dot"), sentEnd("nipple_L"), sentEnd([1, 2, 3])]).toEqual(["dot", "nipple_L", [1, 2, 3]]);
+});
+
+test("what waits is saved before, and the scan is read again and fitted after; a refusal changes nothing and is said", async () => {
+  const info = { id: "s" } as Scan;
+  const done: string[] = [];
+  const store = createStore<Session>({ ...initialSession, scan: { info } as Session["scan"], ruler: { from: "nipple_L", to: [1, 2, 3] } });
+  const putLength = vi.fn(() => (done.push("put"), Promise.resolve(info)));
+  const client = { putLength, deleteLength: () => Promise.reject(new ApiError("A fit of this scan waits or runs.", 409)) } as unknown as Client;
+  const actions = sizeActions(store, client, {
+    flush: () => Promise.resolve(done.push("flush")),
+    reopen: () => Promise.resolve(done.push("reopen") > 0),
+    begin: () => void done.push("begin"),
+  });
+  await actions.apply(214);
+  expect(done).toEqual(["flush", "put", "reopen", "begin"]);
+  expect(putLength).toHaveBeenCalledWith(info, { from: "nipple_L", to: [1, 2, 3], length_mm: 214 });
+  await actions.remove();
+  expect(done.slice(4)).toEqual(["flush"]);
+  expect(store.get().problems.size).toBe("A fit of this scan waits or runs.");
+  actions.measure();
+  expect(store.get()).toMatchObject({ active: rulerKey("from"), ruler: { from: null, to: null } });
+  actions.measure();
+  expect(store.get().active).toBeNull();
+});
