@@ -11,7 +11,7 @@ import { expectForEverybody } from "./audit";
 import { addToPlan, details, distance, example, hook, look, more, numberField, openShare, planItem, test, thumb, untilFitted, untilStill } from "./page";
 import { Owner } from "./shared";
 
-const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
+const { state } = hook;
 const other = (page: Page) => page.evaluate(() => window.__breastrig!.other());
 const pose = (page: Page) => page.evaluate(() => window.__breastrig!.pose());
 const unit = ([x, y, z]: Vector): Vector => [x / Math.hypot(x, y, z), y / Math.hypot(x, y, z), z / Math.hypot(x, y, z)];
@@ -56,7 +56,8 @@ async function samePlaces(page: Page, base: string, from: string, to: string): P
     expect(Math.max(...off), shape.name).toBeLessThan(0.1);
     expect(off.toSorted((a, b) => a - b)[Math.floor(off.length / 2)], shape.name).toBeLessThan(0.002);
   }
-  const shown = [(await state(page)), (await state(page)).stances.other!].find(({ fit }) => fit?.id === to)!.drawn.onScan!;
+  const now = await state(page);
+  const shown = [now, now.stances.other!].find(({ fit }) => fit?.id === to)!.drawn.onScan!;
   expect(shown.carried.shapes).toEqual(carried);
   return carried;
 }
@@ -146,8 +147,8 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
     const shown = await samePlaces(page, base, standing, supine);
     await expect(page.locator(".doubt-card"), "both are hers").toBeHidden();
     expect(shown.map(({ item, name }) => [item, name])).toEqual(expect.arrayContaining([[expect.any(String), "Line 1"], [expect.any(String), "tumour_L"], [expect.any(String), "wise_L"]]));
-    expect((await state(page)).drawing, "nothing is made anew on the second body").toBe("");
-    expect((await state(page)).fit!.drawingName).toBeNull();
+    const { drawing, fit } = await state(page);
+    expect([drawing, fit!.drawingName], "nothing is made anew on the second body").toEqual(["", null]);
     await expect(page.locator(".plan-item")).toHaveText([/^Tumour, left\d+\smm deep$/, /^Line 1from standing$/, /^Reduction \(Wise pattern\)from standing$/]);
     await planItem(page, "Line 1").click();
     await untilStill(page);
@@ -315,8 +316,9 @@ test("both stances, draw, carry, reload, report, share, delete", async ({ page, 
   });
 
   await test.step("deleting both scans leaves nothing: no fit, no link, no file", async () => {
-    const scans = [(await state(page)).scan!.info.id, (await state(page)).stances.other!.scan!.info.id];
-    const { patient } = (await state(page)).scan!.info;
+    const { scan, stances } = await state(page);
+    const scans = [scan!.info.id, stances.other!.scan!.info.id];
+    const { patient } = scan!.info;
     expect(patientFiles(patient).length).toBeGreaterThan(10);
     await page.goto("about:blank"); // a page that still reads what another program deletes would say so
     for (const scan of scans) expect((await page.request.delete(`${base}/api/scans/${scan}`)).status()).toBe(204);

@@ -304,7 +304,7 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
     await numberField(page, name).press("Tab");
   }
   const wanted = "reduction:areola_mm=44.5,opening_deg=95.5+tumour:side=L,clock=10,distance_mm=40,radius_mm=15";
-  expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
+  expect((await hook.state(page)).drawing).toBe(wanted);
   const names = ["wise_L", "wise_R", "areola_L", "tumour_L"];
   expect((await hook.fit(page))!.id, "the fit stays").toBe(first);
   const file = (await (await page.request.get(`${base}/api/fits/${first}/plan.json`)).json()) as { shapes: { name: string; points: Vector[] }[] };
@@ -351,13 +351,13 @@ test("a pattern with its numbers and a tumour by the clock are drawn on the fitt
   await page.getByRole("button", { name: /^Fit again/ }).first().click();
   await expect.poll(async () => (await hook.fit(page))!.id).not.toBe(first);
   await untilFitted(page);
-  expect(JSON.stringify((await page.evaluate(() => window.__breastrig!.state())).problems)).toBe("{}");
+  expect(JSON.stringify((await hook.state(page)).problems)).toBe("{}");
   const alone = (await page.evaluate(() => window.__breastrig!.state().fit!.result!));
   expect([alone.refined, alone.surface_distance_mm], "the model alone").toEqual([false, alone.model_alone!.surface_distance_mm]);
   await page.reload();
   await hook.ready(page);
   await untilFitted(page);
-  expect((await page.evaluate(() => window.__breastrig!.state())).drawing).toBe(wanted);
+  expect((await hook.state(page)).drawing).toBe(wanted);
   await expect(page.locator(`.item-details [data-line="wise_L"]`)).toHaveCount(1);
   expect(troubles).toEqual([]);
 });

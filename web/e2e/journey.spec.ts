@@ -1,7 +1,7 @@
 // The first minute: files of one patient dropped together become one patient, each scan is fitted by itself and seen to
 // settle, and each word of the sentence corrects itself.
 import { join } from "node:path";
-import { expect, type Page } from "@playwright/test";
+import { expect } from "@playwright/test";
 import { seriousFindings } from "./audit";
 import { drop, hook, SCAN_FILE, test, thumb, until, untilFitted } from "./page";
 
@@ -10,7 +10,7 @@ test.use({ fitsAtOnce: true, contextOptions: { reducedMotion: "no-preference" } 
 const EXAMPLE = join(process.env.BREASTRIG_E2E_EXAMPLES ?? "", "standing"); // which other tests fit with its landmarks as well
 const SUPINE = SCAN_FILE.replace("standing", "supine");
 
-const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
+const { state } = hook;
 
 test("two scans and their landmarks are dropped together: one patient, each fitted by itself, beside each other", async ({ page, base, troubles }) => {
   await page.goto(base);

@@ -151,14 +151,14 @@ test("the service is killed while everything is entered, and comes back: all of 
   expect(await page.evaluate(() => window.__breastrig!.state().drawn.note)).toBe(all.notes[0]);
 });
 
-test("a reload in the middle of it, also of what stands in a field that was not left yet", async ({ page, base }) => {
+test("a reload in the middle of it, also of what stands in a field that was not left yet", async ({ page, context, base }) => {
   const { scan, plan } = await opened(page, base);
-  await service.stop();
+  await context.setOffline(true);
   await type(page, { areola: "39", clock: "2", notes: "First." });
   await expect(bar(page)).toBeVisible();
   await details(page).getByLabel("Notes").fill("First, and more.");
   await page.reload().catch(() => undefined); // nobody answers
-  await comeBack();
+  await context.setOffline(false);
   await page.goto(`${base}/#scan=${scan}`);
   await hook.ready(page);
   await expect.poll(() => kept(scan, plan)).toMatchObject({ patterns: [["reduction", 39]], tumours: [[2, 45, 12, 21]], notes: ["First, and more."] });

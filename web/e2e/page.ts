@@ -5,8 +5,8 @@ import { type CDPSession, expect, type Locator, type Page, test as plain } from 
 import type { LandmarkFile, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
 
-const EXAMPLE = resolve(import.meta.dirname, "../../model_assets/example/standing"); // as fine as it is; the service's own is coarser
-export const SCAN_FILE = join(EXAMPLE, "scan.ply");
+const EXAMPLE = resolve(import.meta.dirname, "../../model_assets/example/standing");
+export const SCAN_FILE = join(process.env.BREASTRIG_E2E_EXAMPLES ?? "", "standing", "scan.ply"); // the service's own
 
 /** The example's landmarks in millimetres, scan's frame. */
 export function trueLandmarks(): Record<string, Vector> {
@@ -49,6 +49,13 @@ export const hook = {
   pick: (page: Page, name: string) => page.evaluate((key) => window.__breastrig!.state().picks.present[key] ?? null, name),
   pickCount: (page: Page) => page.evaluate(() => Object.keys(window.__breastrig!.state().picks.present).length),
   picture: (page: Page) => page.evaluate(() => window.__breastrig!.picture()),
+  /** All but the fits' surfaces, which are long on their way. */
+  state: (page: Page) =>
+    page.evaluate(() => {
+      const all = window.__breastrig!.state();
+      const light = <Part extends { readonly fit: typeof all.fit }>(part: Part): Part => ({ ...part, fit: part.fit && { ...part.fit, surface: null, distances: null } });
+      return { ...light(all), stances: { ...all.stances, other: all.stances.other && light(all.stances.other) } };
+    }),
   fit: (page: Page) =>
     page.evaluate(() => {
       const { fit } = window.__breastrig!.state();

@@ -30,7 +30,7 @@ test("a patient is renamed, found, opened, left by Back, and deleted after a sec
 
   await row(first).getByRole("link", { name: "Ward 7 / 3" }).click();
   await hook.ready(page);
-  expect((await page.evaluate(() => window.__breastrig!.state())).scan!.info.id).toBe(first.id);
+  expect((await hook.state(page)).scan!.info.id).toBe(first.id);
   await page.goBack();
   await expect(row(first)).toBeVisible();
 

@@ -4,7 +4,7 @@ import { expect, type Page } from "@playwright/test";
 import type { MeasuresFile, PatternOnScan, PlanOnScan, StoredPlan, Vector } from "../src/api/types";
 import { addToPlan, details, distance, example, fittedExample, hook, numberField, test, trueLandmarks, untilStill } from "./page";
 
-const state = (page: Page) => page.evaluate(() => window.__breastrig!.state());
+const { state } = hook;
 const shown = (page: Page) => page.evaluate(() => window.__breastrig!.state().drawn.live);
 
 async function fitted(page: Page, base: string): Promise<void> {

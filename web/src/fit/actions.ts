@@ -1,7 +1,7 @@
 // Running a fit: start, follow its events, cancel; the events are the same when the page is opened late or again.
 import { ApiError, type Client } from "../api/client";
 import { followFit, type Handlers } from "../api/events";
-import type { FitLinks, StanceChoice } from "../api/types";
+import type { FitLinks, Iterated, StanceChoice } from "../api/types";
 import { certainNames } from "../landmarks/certain";
 import { picksOf, placesOf } from "../landmarks/picks";
 import { openQuestions, sentenceOf } from "../landmarks/questions/questions";
@@ -36,11 +36,13 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
   let timer: ReturnType<typeof setTimeout> | undefined;
   let askedAt = -Infinity;
   let stepAfter: Step | null = null; // of a fit that is opened: where the page goes with its result
+  let past: readonly Iterated[] | null = null; // of a fit that was done when it was opened: it is seen as it ended, and settles for nobody again
 
   /** Nobody follows what ran until now; a fit that was asked for in the meantime still comes. */
   function leave(): void {
     run += 1;
     stepAfter = null;
+    past = null;
     stopFollowing();
     unseen = null;
     player.pause();
@@ -105,6 +107,10 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     iterated: ({ body }) => {
       const fit = store.get().fit;
       if (!fit) return;
+      if (past) {
+        past = [...past, body];
+        return;
+      }
       const before = fit.iterations.at(-1);
       const more = before?.stage === body.stage ? {} : { announcement: text.fit.announceStage(body.stage) };
       change({ iterations: [...fit.iterations, body] }, more);
@@ -113,8 +119,8 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     done: ({ body }) => {
       const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result), linesWords(body.result)].join(" ").trim();
       const upright = straightenedByFit(store.get(), frameOfRig(body.result));
-      change({ state: "done", result: body.result }, { ...upright, ...(stepAfter === null ? {} : { step: stepAfter }) });
-      stepAfter = null;
+      change({ state: "done", result: body.result, ...(past ? { iterations: past, shown: past.length - 1 } : {}) }, { ...upright, ...(stepAfter === null ? {} : { step: stepAfter }) });
+      stepAfter = past = null;
       const list = store.get().meta?.landmarks ?? [];
       const asked = openQuestions(store.get()).map((question) => sentenceOf(question, list));
       store.set({ announcement: asked.length > 0 ? `${said} ${questions.announceAsked(asked)}` : said });
@@ -222,8 +228,9 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
         // The settings come back with the fit, so that the next one is asked for as this one was; its drawing is the plan's.
         const asked = { stance: fit.asked_stance, preset: fit.preset, refine: fit.refine };
         store.set(asked);
-        follow({ ...blankFit(fit.id, fit.links), playing: true, drawingName: fit.drawing, picks: picksOf({ landmarks: fit.landmarks, marks: fit.marks, unit: "mm" }), certain: fit.certain, asked, cuts: fit.cuts });
-        stepAfter = fit.state === "done" ? step : null;
+        const isOver = fit.state === "done";
+        follow({ ...blankFit(fit.id, fit.links), playing: !isOver, drawingName: fit.drawing, picks: picksOf({ landmarks: fit.landmarks, marks: fit.marks, unit: "mm" }), certain: fit.certain, asked, cuts: fit.cuts });
+        if (isOver) [stepAfter, past] = [step, []];
       } catch (error) {
         store.set((state) => withProblem(state, "fit", messageOf(error)));
       }

@@ -195,6 +195,24 @@ test("a fit that the address names brings its settings back, and is compared wit
   expect(outdated(store.get())).toBe("settings");
 });
 
+test("a fit that was done when it was opened is seen as it ended, and can be played again; one that runs is seen to settle", async () => {
+  const fit = async (id: string) => ({ id, links: fitLinks(id), state: id === "f1" ? "done" : "running", asked_stance: "auto", preset: "default", drawing: null, refine: true, landmarks: {}, certain: [] });
+  const { store, actions } = await withScan({ fit } as never);
+  for (const [id, ofOld] of [["f1", true], ["f2", false]] as const) {
+    const seen = new Set<string>();
+    const leave = store.subscribe(({ overlay }) => seen.add(overlay));
+    await actions.fit.open(id);
+    for (const i of [0, 1, 2]) FakeEventSource.last!.say("iterated", iterated(i));
+    FakeEventSource.last!.say("done", { result });
+    if (ofOld) expect(store.get().fit).toMatchObject({ state: "done", shown: 2, playing: false });
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(store.get().fit).toMatchObject({ state: "done", shown: 2, playing: false });
+    expect(store.get().fit!.iterations).toHaveLength(3);
+    expect(seen.has("both"), "the model over the scan").toBe(!ofOld);
+    leave();
+  }
+});
+
 test("landmarks that were only agreed to are no change when the fit is opened again, whatever its result says of them", async () => {
   const given = { nipple_L: [1, 2, 3], nipple_R: [4, 5, 6] };
   const fit = async (id: string) => ({ id, links: fitLinks(id), asked_stance: "auto", preset: "default", drawing: null, refine: true, landmarks: given, certain: [] });
