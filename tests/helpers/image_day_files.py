@@ -32,7 +32,7 @@ def image_day_files(folder: Path) -> None:
     marks = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
     shut = closed(rig.template, rig.faces)
     woman = Woman(in_lps(shut.vertices), shut.faces, {name: in_lps(place) for name, place in marks.items()})
-    seen = mr_image(woman, Protocol(steps=(2.5, 2.5, 3.0)), seed=3)
+    seen = mr_image(woman, Protocol(steps=(4.0, 4.0, 4.0)), seed=3)
     rough = ImageVolume(seen.image.values[::2, ::2, ::2], seen.image.affine @ np.diag([2.0, 2.0, 2.0, 1.0]))
     several = Series(seen.image, "t1 dynamic"), Series(rough, "survey", number=2)
     (folder / "image.zip").write_bytes(zipped(files(*several)))

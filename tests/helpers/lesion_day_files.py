@@ -31,7 +31,7 @@ def lesion_day_files(folder: Path) -> None:
     inside = marks["nipple_L"] - [0.012, 0.0, 0.028]
     whole, start, size = front_labels(rig, inside, RADIUS)
     labels, low = above_navel(whole, start, size)
-    sizes = np.full(3, size)
+    labels, sizes = np.ascontiguousarray(labels[::2, ::2, ::2]), np.full(3, 2 * size)
     mri = gzip.compress(nifti(labels, low=low, sizes=sizes))
     unsaid = np.diag([*sizes, 1.0]), 0
     (folder / "mri.nii.gz").write_bytes(mri)
