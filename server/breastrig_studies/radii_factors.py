@@ -2,12 +2,12 @@
 
 python -m breastrig_studies.radii_factors DIR/warped DIR/poses DIR/prone [--write]
 
-The factor of a kind of place is the quantile of error over deviation that holds nine of ten of them, each patient of
-the development half counting alike (split conformal prediction with groups: patients), of however many are picked: all,
-exact and 5 mm off, half of them, three. Without picks it is at least the one beside them. Where that half has too few
-patients both halves estimate: the second one's coverage is no check then. Without --write: the coverage of the file's
-factors on the validation half, and their width. Scores of each scan are kept beside its folder, so that it is fitted
-once.
+The factor of a kind of place is the quantile of error over deviation, as the fit's strain and the scatter of its picks
+enlarge that, which holds nine of ten places, each patient of the development half counting alike (split conformal
+prediction with groups: patients).  Landmarks are all picked, exactly or 5 mm off, half of them, three, or none; without
+picks a factor is at least the one beside some.  Where that half has too few patients both halves estimate: the second
+one's coverage is no check then.  Without --write: the median strain of the development half, the coverage of the file's
+factors on both halves, and their width.  Scores of each scan are kept beside its folder, so that it is fitted once.
 """
 
 import json
@@ -21,7 +21,6 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.stances import PRONE, split_side
-from breastrig.fitting.body.hanging import ptotic_shape_weight
 from breastrig.fitting.posterior import Posterior, expected_places
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.fitting.solve import checked_iterates
@@ -53,11 +52,7 @@ EACH = 40  # vertices of a region in a fit
 MOST = 2  # scans of one patient in a stance
 STATES = ("given", "others", "alone", "proposed", "seen", "hidden", "seen_alone", "hidden_alone")
 BESIDE = {"alone": "others", "seen_alone": "seen", "hidden_alone": "hidden"}  # the same place where others are picked
-AMOUNTS = (4, 7)  # picks: at most three, half of what a scan shows, more
-FEWEST = 10  # patients with such an amount; fewer give no quantile of their own
 FEW = 15  # patients of a half: ten prone ones of two donors gave factors that held 73 to 83 % of the other half's
-HANGS_WITH = ("nipple", "inframammary_fold", "xiphoid", "mid_sternum", "breast", "areola", "chest", "belly")
-WOMEN = 3  # fewer whose breasts hang say nothing of others
 
 
 @dataclass(frozen=True)
@@ -67,8 +62,8 @@ class Score:
     state: str
     kind: str
     score: float  # error over the posterior's deviation
-    hangs: bool
     deviation: float  # m
+    strain: float  # of the fit
     scatter: float = NO_PICKS.deviation  # of the picks (radii.py)
     picks: int = NO_PICKS.picks
 
@@ -98,8 +93,7 @@ def scores_of(posterior: Posterior, scene: Scene, true: ReferenceFit | None) -> 
     names, rng, scatter = tuple(scene.landmarks), np.random.default_rng(SEED), scatter_of(posterior)
 
     def score(kind: str, name: str, error: float, deviation: float) -> Score:
-        hangs = ptotic_shape_weight(state, posterior.task.recipe, name) > 0.0
-        return Score(kind, split_side(name)[0], error / deviation, hangs, deviation, *scatter)
+        return Score(kind, split_side(name)[0], error / deviation, deviation, posterior.strain, *scatter)
 
     deviations = np.sqrt(posterior.landmark_variances(names))
     model = dict(zip(rig.landmark_names, rig.landmark_points().positions(state.vertices, rig.faces), strict=True))
@@ -142,42 +136,26 @@ Known = list[tuple[str, str, Score]]  # patient, stance
 
 
 def larger_for(each: Score, known: Calibration) -> float:
-    """The factor of this radius for the picks' scatter; at least 1 for hidden skin, of which picks show nothing."""
+    """The factor for the fit's strain and the picks' scatter; that one at least 1 for hidden skin, which none shows."""
     times = known.enlarged(Scatter(each.scatter, each.picks), given=each.state == "given")
-    return max(times, 1.0) if each.state == "hidden" else times
-
-
-def _factor(scores: list[tuple[float, str, Score]]) -> float:
-    """The quantile of these (score, patient, of what): the largest of any amount of picks beside the place."""
-    amounts = [0 if each.state == "given" else int(np.digitize(each.picks, AMOUNTS)) for _, _, each in scores]
-    parts = [[part for part, at in zip(scores, amounts, strict=True) if at == amount] for amount in {*amounts}]
-    enough = [part for part in parts if len({woman for _, woman, _ in part}) >= FEWEST] or [scores]
-    return max(quantile([s for s, _, _ in part], [woman for _, woman, _ in part]) for part in enough)
+    return known.strained(each.strain) * (max(times, 1.0) if each.state == "hidden" else times)
 
 
 def factors(found: Known, known: Calibration) -> dict[str, dict[str, dict[str, float]]]:
     """Factors by stance, state and kind; `known` tells the enlargement of radii for a scatter of picks."""
     result: dict[str, dict[str, dict[str, float]]] = {}
     for stance in sorted({each[1] for each in found}):
-        groups: dict[tuple[str, str], list[tuple[float, str, Score]]] = defaultdict(list)
+        groups: dict[tuple[str, str], list[tuple[float, str]]] = defaultdict(list)
         for woman, its, each in found:
             if its == stance:
-                groups[each.state, each.kind].append((each.score / larger_for(each, known), woman, each))
+                groups[each.state, each.kind].append((each.score / larger_for(each, known), woman))
         of_stance: dict[str, dict[str, float]] = {state: {} for state in STATES}
-        more: dict[str, list[tuple[float, str]]] = defaultdict(list)
-        estimates = {key: _factor(scores) for key, scores in groups.items()}
-        for (state, kind), scores in sorted(groups.items()):
+        estimates = {key: quantile(*zip(*scores, strict=True)) for key, scores in groups.items()}
+        for state, kind in sorted(groups):
             factor = max(estimates[state, kind], estimates.get((BESIDE.get(state, ""), kind), 0.0))
             of_stance[state][kind] = round(factor, 2)
-            more[kind] += [(s / factor, w) for s, w, each in scores if each.hangs]
-        of_stance["hanging"] = {
-            kind: round(larger, 2)
-            for kind in HANGS_WITH
-            if len({w for _, w in more[kind]}) >= WOMEN
-            and (larger := quantile([s for s, _ in more[kind]], [w for _, w in more[kind]])) > 1.0
-        }
-        for state, group in of_stance.items():
-            if group and state != "hanging":
+        for group in of_stance.values():
+            if group:
                 group[OTHER] = max(group.values(), default=1.0)  # of what has no factor of its own
         for state, beside in BESIDE.items():
             if of_stance[state] and of_stance[beside]:
@@ -227,7 +205,6 @@ def table(found: Known, known: Calibration) -> Iterator[str]:
             for woman, at, each in found:
                 if (at, each.state) == (stance, state):
                     times = factor_of(getattr(its, state), each.kind) * larger_for(each, known)
-                    times *= its.hanging.get(each.kind, 1.0) if each.hangs else 1.0
                     held[woman].append(each.score <= times)
                     wide.append(times * each.deviation)
             shares = [float(np.mean(each)) for each in held.values()]
@@ -257,6 +234,8 @@ def main(folders: Sequence[str], write: bool) -> None:
         estimates = factors(enough(halves), known)
         write_factors(default_rig_path().with_suffix(".known"), estimates)
         known = Calibration.model_validate(known.model_dump() | {"stances": estimates})
+    usual = np.median([each.strain for _, _, each in halves[DEVELOPMENT]])
+    sys.stdout.write(f"usual_strain = {usual:.4f}\n")
     for half, found in halves.items():
         sys.stdout.write(f"{half}\n" + "\n".join(table(found, known)) + "\n")
 

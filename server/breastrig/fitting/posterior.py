@@ -20,7 +20,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.landmarks import LandmarkObservation
 from breastrig.fitting.body.expected_body import built_in_body
 from breastrig.fitting.body.landmarks import MIDDLE, NOTCH, XIPHOID, expected_gaps, middle_step
-from breastrig.fitting.fit import ScanProblem
+from breastrig.fitting.fit import ScanProblem, mean_distance
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.problem import log_student
@@ -43,13 +43,25 @@ class Posterior:
         """`partners`: what a pick tells of its partner counts; what judges picks lets none vouch for itself."""
         problem, stage = ScanProblem(task, partners=partners), task.recipe.stages[-1]
         self.task, self.state = task, BodyState(task.rig, x)
-        terms = problem.terms(stage, 1.0, self.state, problem.matches(stage, 1.0, self.state))
+        matches = problem.matches(stage, 1.0, self.state)
+        terms = problem.terms(stage, 1.0, self.state, matches)
         hessian = problem.system(terms, self.state).hessian
         self._factor = cholesky(hessian + np.diag(FLOOR * problem.scaling))
         self.picks = terms.picks
         self.expected = [term for term in terms.residuals if term.name in OF_BODIES]  # what it expected of the body
         self.relief = problem.relief or {}  # landmarks that the skin's form shows
         self.partners = problem.partners
+        self.distance = mean_distance(matches, np.nan)  # m, to the scan
+
+    @cached_property
+    def strain(self) -> float:
+        """How little the model can show this body: sqrt(m), the root of the mean distance to the scan, times Birge's
+        ratio, how much farther the body is from the mean of bodies than one of their distribution would be; else nan.
+        """
+        found = [term.linearise(self.state) for term in self.expected if term.name == OF_BODIES[0]]
+        square = sum(float(each.residual @ each.residual) for each in found)
+        usual = sum(len(each.residual) - float(np.sum(self.whitened(each.jacobian) ** 2)) for each in found)
+        return float(np.sqrt(self.distance * square / usual)) if usual > 0.0 else np.nan
 
     @cached_property
     def of_picks_alone(self) -> "Posterior":

@@ -35,6 +35,7 @@ NUMBERS = {
     "expected_scatter": 1.25,
     "freedom_given": 4.0,
     "freedom_elsewhere": 16.0,
+    "usual_strain": 0.04,
     "without_picks": {"clear": 0.2, "unclear": 0.05, "astray": 0.25},
 }
 FACTORS = {state: {"other": 2.0 + k} for k, state in enumerate(STATES)}  # of each state another one
@@ -124,7 +125,11 @@ def asked(forearm: Posterior, monkeypatch: pytest.MonkeyPatch) -> Asked:
     """Its radii, by factors that are known, as if its picks scattered so and were picked or seen by colour."""
 
     def answer(
-        margin: float | None = None, scatter: Scatter = NO_PICKS, expected: bool = False, **task: object
+        margin: float | None = None,
+        scatter: Scatter = NO_PICKS,
+        expected: bool = False,
+        strain: float = 0.04,
+        **task: object,
     ) -> Radii:
         monkeypatch.setattr(radii_module, "calibration", lambda _: KNOWN)
         monkeypatch.setattr(radii_module, "scatter_of", lambda _: scatter)
@@ -133,6 +138,7 @@ def asked(forearm: Posterior, monkeypatch: pytest.MonkeyPatch) -> Asked:
                 **{name: getattr(forearm.task, name) for name in ("rig", "stance", "recipe", "target")}
             ),
             state=forearm.state,
+            strain=strain,
             joint_landmark_covariance=forearm.joint_landmark_covariance,
             vertex_variances=forearm.vertex_variances,
         )
@@ -170,6 +176,44 @@ def test_a_radius_is_its_factor_times_the_deviation_and_what_the_start_leaves_op
             assert [*found.landmarks.values()] == pytest.approx(np.hypot(factor[state] * at, lost))
             wanted = np.where(seen, factor["seen_alone"], factor["hidden_alone"]) * skin
             assert found.vertices == pytest.approx(np.hypot(wanted, lost))
+
+
+def test_all_radii_grow_with_the_strain_of_the_fit_and_what_the_start_leaves_open_does_not(
+    forearm: Posterior, asked: Asked
+) -> None:
+    usual, twice, without_scan = (asked(strain=strain) for strain in (0.04, 0.08, np.nan))
+    assert [*twice.landmarks.values()] == pytest.approx([2.0 * each for each in usual.landmarks.values()])
+    for name in ("vertices", "joint", "once_picked"):
+        times = 4.0 if name == "joint" else 2.0
+        np.testing.assert_allclose(getattr(twice, name), times * getattr(usual, name))
+        np.testing.assert_array_equal(getattr(without_scan, name), getattr(usual, name))
+    assert asked(0.0, strain=0.08).lost == asked(0.0).lost
+    assert np.isnan(forearm.strain)  # nothing is known of forearms together
+    never_measured = KNOWN.model_copy(update={"usual_strain": None})
+    assert never_measured.strained(7.0) == 1.0
+
+
+def test_the_strain_of_bodies_as_they_were_expected_is_the_root_of_their_distance_to_the_scan() -> None:
+    """Of linear Gaussian bodies, however much of them the scan shows; of those that spread twice as far twice that."""
+    random, count = np.random.default_rng(8), 12
+    for seen in (2, 8, 40):
+        prior, scan = random.normal(size=(count, count)), random.normal(size=(seen, count))
+        hessian = prior.T @ prior + scan.T @ scan
+        half = np.linalg.cholesky(np.linalg.inv(hessian))
+        for times in (1.0, 2.0):
+            found = []
+            for _ in range(400):
+                body = np.linalg.solve(prior, times * random.normal(size=count))
+                observed = scan @ body + times * random.normal(size=seen)
+                term = SimpleNamespace(residual=prior @ np.linalg.solve(hessian, scan.T @ observed), jacobian=prior)
+                fit: Any = SimpleNamespace(
+                    expected=[SimpleNamespace(name="body_prior", linearise=lambda _, term=term: term)],
+                    state=None,
+                    distance=0.01,
+                    whitened=lambda rows, half=half: rows @ half,
+                )
+                found.append(Posterior.strain.func(fit) ** 2)
+            assert np.mean(found) == pytest.approx(0.01 * times**2, rel=0.1)
 
 
 def test_nipples_that_colour_shows_where_the_form_has_them_clear_the_start(asked: Asked) -> None:

@@ -1,10 +1,11 @@
 """The 90 % radius of every landmark and of every vertex of a fitted model.
 
 A radius is the posterior's standard deviation times a factor: the posterior lacks the distance of real bodies from what
-the model can show.  Factors are data beside the rig, chosen for each kind of place such that it holds nine of ten true
-places of known patients, each patient counting alike (conformal prediction normalised by a model's own deviation: Lei
-et al., Distribution-free predictive inference for regression, 2018). Written by breastrig_studies/radii_factors.py;
-docs/decisions/0025.
+the model can show.  How far that is differs among bodies, and a fit's strain tells it (Posterior.strain): all its radii
+grow with it (docs/decisions/0035).  Factors are data beside the rig, chosen for each kind of place such that it holds
+nine of ten true places of known patients, each patient counting alike (conformal prediction normalised by a model's own
+deviation: Lei et al., Distribution-free predictive inference for regression, 2018). Written by
+breastrig_studies/radii_factors.py; docs/decisions/0025.
 """
 
 from dataclasses import dataclass
@@ -18,7 +19,6 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.core.settings_file import Positive, SettingsPart
 from breastrig.core.stances import STANDING, split_side
 from breastrig.drawings.line_error import across
-from breastrig.fitting.body.hanging import ptotic_shape_weight
 from breastrig.fitting.posterior import LeaveOneOut, Posterior
 from breastrig.rig.known import checked_part, known_numbers
 from breastrig.rig.model import Rig
@@ -37,7 +37,6 @@ class StanceFactors(SettingsPart):
     hidden: Factors = Field(default={})  # skin that it does not show
     seen_alone: Factors = Field(default={})  # likewise without any landmark
     hidden_alone: Factors = Field(default={})
-    hanging: Factors = Field(default={})  # times more where a breast hangs, of landmarks and regions
 
 
 class Scatter(NamedTuple):
@@ -48,6 +47,7 @@ class Scatter(NamedTuple):
 
 
 NO_PICKS = Scatter(1.0, 0)
+LEAST_STRAIN = 0.75  # of the usual one: a part of a body strains the model little, however unlike it the body is
 
 
 class WithoutPicks(SettingsPart):
@@ -69,6 +69,7 @@ class Calibration(SettingsPart):
     freedom_given: Positive  # how many residuals that expectation counts as, for radii of what was given
     freedom_elsewhere: Positive  # and for all others
     without_picks: WithoutPicks
+    usual_strain: Positive | None = None  # median of the fits with which factors were estimated; absent: without
     stances: dict[str, StanceFactors] = Field(default={})
 
     def enlarged(self, scatter: Scatter, *, given: bool) -> float:
@@ -79,6 +80,12 @@ class Calibration(SettingsPart):
         expected, found = self.freedom_given if given else self.freedom_elsewhere, 2 * scatter.picks  # axes of the skin
         square = (scatter.deviation / self.expected_scatter) ** 2
         return float(((expected + found * square) / (expected + found)) ** 0.5)
+
+    def strained(self, strain: float) -> float:
+        """The factor of all radii of a fit with this strain; 1 without scan, or where nobody knows what is usual."""
+        if self.usual_strain is None or not np.isfinite(strain):
+            return 1.0
+        return max(strain / self.usual_strain, LEAST_STRAIN)
 
     def of_stance(self, stance: str) -> StanceFactors:
         """The factors of this stance; those that are not measured in it are of standing bodies."""
@@ -150,16 +157,16 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
         return None
     by_colour, factors = task.given.keys() - task.picked, known.of_stance(task.stance)
     lost = 0.0 if margin is None or by_colour >= BOTH else HOLDS_90 * known.without_picks.lost(margin)
-    scatter, names = scatter_of(posterior), tuple(rig.landmark_names)
+    scatter, names, strained = scatter_of(posterior), tuple(rig.landmark_names), known.strained(posterior.strain)
     at_given, elsewhere = (known.enlarged(scatter, given=given) for given in (True, False))
     times = landmark_factors(posterior, factors, expected=expected)
-    times *= np.array([at_given if name in task.given else elsewhere for name in names])
+    times *= strained * np.array([at_given if name in task.given else elsewhere for name in names])
     larger = np.repeat(times / HOLDS_90, 3)
     joint = larger[:, None] * posterior.joint_landmark_covariance(names) * larger
     joint += (lost / HOLDS_90) ** 2 / 3.0 * np.eye(len(joint))  # where else each lies is not known
     at_landmarks = HOLDS_90 * np.sqrt(np.diag(joint).reshape(-1, 3).sum(axis=1))
     seen = seen_vertices(posterior)
-    scattered = np.where(seen, elsewhere, max(elsewhere, 1.0))
+    scattered = strained * np.where(seen, elsewhere, max(elsewhere, 1.0))
     now, once_picked = (scattered * skin_factors(posterior, factors, seen, picked=when) for when in (None, True))
     at_vertices = np.hypot(now * np.sqrt(posterior.vertex_variances()), lost)
     landmarks = dict(zip(names, at_landmarks.tolist(), strict=True))
@@ -168,12 +175,11 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
 
 def landmark_factors(posterior: Posterior, factors: StanceFactors, *, expected: bool = False) -> Array:
     """(L,) of the rig's landmarks; of those without a pick around where they are `expected`."""
-    task, found = posterior.task, []
-    for name in task.rig.landmark_names:
-        without = factors.others if task.picked else factors.proposed if expected else factors.alone
-        times = factor_of(factors.given if name in task.given else without, name)
-        found.append(times * _of_hanging(posterior, factors, name))
-    return np.array(found)
+    task = posterior.task
+    without = factors.others if task.picked else factors.proposed if expected else factors.alone
+    return np.array(
+        [factor_of(factors.given if name in task.given else without, name) for name in task.rig.landmark_names]
+    )
 
 
 def skin_factors(posterior: Posterior, factors: StanceFactors, seen: Booleans, *, picked: bool | None = None) -> Array:
@@ -185,17 +191,10 @@ def skin_factors(posterior: Posterior, factors: StanceFactors, seen: Booleans, *
     shown, hidden = (factors.seen, factors.hidden) if picked else (factors.seen_alone, factors.hidden_alone)
     found = np.zeros(len(seen))
     for name, vertices in rig.regions.items():
-        hangs = _of_hanging(posterior, factors, name)
-        here = hangs * np.where(seen[vertices], factor_of(shown, name), factor_of(hidden, name))
+        here = np.where(seen[vertices], factor_of(shown, name), factor_of(hidden, name))
         found[vertices] = np.maximum(found[vertices], here)
     others = np.where(seen, factor_of(shown, OTHER), factor_of(hidden, OTHER))
     return np.where(found > 0.0, found, others)
-
-
-def _of_hanging(posterior: Posterior, factors: StanceFactors, name: str) -> float:
-    """The factor of a landmark's or region's radius where a breast hangs."""
-    kind = factors.hanging.get(split_side(name)[0], 1.0)
-    return kind if kind != 1.0 and ptotic_shape_weight(posterior.state, posterior.task.recipe, name) > 0.0 else 1.0
 
 
 def scatter_of(posterior: Posterior) -> Scatter:
