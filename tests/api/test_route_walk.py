@@ -36,7 +36,7 @@ OPEN_TO_ALL = {  # everything outside of /api: health, the sign-in page, the emp
 }  # fmt: skip
 SHOW_NOBODY = {  # the page and its description, the model: what browsers may keep
     "/", "/s/share.js", "/sign-in/style.css", "/api/docs", "/api/docs/style.css", "/api/openapi.json",
-    "/api/models/torso.glb", "/api/models/torso.json", "/api/models/<sha256>/torso.bin",
+    "/api/scan_protocol.pdf", "/api/models/torso.glb", "/api/models/torso.json", "/api/models/<sha256>/torso.bin",
     "/api/models/<sha256>/torso.glb", "/api/models/<sha256>/torso.json", "/api/models/<sha256>/drawings/<name>.bin",
 }  # fmt: skip
 NOT_SHOWN = ("mesh.glb", "report.pdf", "report.png", "distances.bin")  # of a share without the scan

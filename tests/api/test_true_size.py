@@ -117,6 +117,12 @@ def test_proposals_are_looked_for_in_the_size(client: FlaskClient, service: Serv
         client.put(place, json=NAMES | {"length_mm": 100.0 * FACTOR})
 
 
+@pytest.mark.slow
+def test_the_page_for_taking_scans_is_there_to_print(client: FlaskClient) -> None:
+    answer = client.get("/api/scan_protocol.pdf")
+    assert (answer.status_code, answer.mimetype, answer.data[:5]) == (200, "application/pdf", b"%PDF-")
+
+
 def test_a_length_goes_with_its_scan(client: FlaskClient, service: Service, scan_id: str, place: str) -> None:
     client.put(place, json=NAMES | {"length_mm": 100.0 * FACTOR})
     [kept] = service.storage.root.rglob("length.json")

@@ -83,6 +83,9 @@ LISTED = {  # why they are not run here, or the test that runs them
     "tests/use/test_true_size.py": [
         "breastrig case length patient/ --put suprasternal_notch nipple_L 214",
     ],
+    "tests/report/test_protocol.py": [
+        "breastrig protocol -o protocol.pdf",
+    ],
     "tests/volume": [
         "breastrig volume standing/ -o torso.vtu",
         "breastrig volume out/ -o torso.vtu",

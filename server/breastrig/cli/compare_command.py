@@ -9,7 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from breastrig.cli.earlier_fits import say_unchecked
+from breastrig.cli.messages.earlier_fits import say_unchecked
 from breastrig.cli.output_options import (
     add_output_options,
     add_same_patient,

@@ -4,7 +4,7 @@ landmarks, lines, regions and caps as named sets of vertices (JSON)."""
 import argparse
 from pathlib import Path
 
-from breastrig.cli.earlier_fits import say_unchecked
+from breastrig.cli.messages.earlier_fits import say_unchecked
 from breastrig.cli.output_options import (
     add_output_options,
     add_same_patient,

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import get_args
 
-from breastrig.cli.earlier_fits import say_unchecked
+from breastrig.cli.messages.earlier_fits import say_unchecked
 from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder, say_misfits
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from breastrig.cli.earlier_fits import say_unchecked
+from breastrig.cli.messages.earlier_fits import say_unchecked
 from breastrig.cli.output_options import (
     add_output_options,
     add_same_patient,

@@ -22,7 +22,7 @@ from breastrig.storage.documents.patients import StoredPatient, get_patient, get
 from breastrig.storage.documents.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
-from breastrig.use.reports.report import ReportJob, measures_json_of, report_pages_of, report_pdf_of
+from breastrig.use.reports.report import ReportJob, measures_json_of, protocol_pdf_of, report_pages_of, report_pdf_of
 from breastrig.use.volume import volume_vtu_of
 
 MAKERS: dict[str, Callable[[ReportJob], bytes]] = {
@@ -70,6 +70,10 @@ class Reports:
     def volume(self, fit_id: str) -> bytes:
         """Tetrahedra of the fitted body, VTU.  Raises likewise, and BadInput for a model whose inside is not known."""
         return self._remembered_or_made("volume.vtu", fit_id, None)
+
+    def protocol(self) -> bytes:
+        """The page for taking scans with marks."""
+        return self._remembered.result("protocol", lambda: self._processes.result(protocol_pdf_of, (), WALL_S))
 
     def file_name(self, what: str, *fit_ids: str) -> str:
         """The name of a file of these fits: the patient's code, the stances, the day of the first scan, `what`."""

@@ -1,7 +1,9 @@
 """The service's description, and the examples."""
 
 from apiflask import APIBlueprint
+from flask import Response
 
+from breastrig.api.answers import CHECK_AGAIN, PDF, bytes_answer, file_of
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.scans.scans import scan_answer
 from breastrig.api.wire import common as wire
@@ -55,6 +57,13 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
         ],
         patterns=pattern_forms(rig),
     )
+
+
+@meta.get("/api/scan_protocol.pdf")
+@meta.doc(operation_id="getScanProtocol", responses={200: file_of(PDF, "One A4 page")})
+def show_protocol() -> Response:
+    """A page to print for taking scans with marks"""
+    return bytes_answer(app_context().service.reports.protocol(), PDF, CHECK_AGAIN)
 
 
 @meta.get("/api/examples")

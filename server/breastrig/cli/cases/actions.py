@@ -7,8 +7,8 @@ from pathlib import Path
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
+from breastrig.cli.messages.progress import fitted
 from breastrig.cli.output_options import output_file
-from breastrig.cli.progress import fitted
 from breastrig.cli.scan_options import say_segments
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput, NotFound

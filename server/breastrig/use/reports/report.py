@@ -259,6 +259,13 @@ def report_pdf_of(job: ReportJob) -> bytes:
     return _within_memory(lambda: _pdf(reported(job), job.identity))
 
 
+def protocol_pdf_of() -> bytes:
+    """The page for taking scans with marks."""
+    from breastrig.report.pages.protocol import protocol_pdf  # likewise
+
+    return protocol_pdf()
+
+
 def report_pages_of(job: ReportJob) -> bytes:
     """The pages as pictures: a zip of 1.png, 2.png, …"""
     return _within_memory(lambda: _pages(reported(job), job.identity))

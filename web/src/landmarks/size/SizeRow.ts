@@ -34,8 +34,9 @@ export function createSizeRow(actions: SizeActions): Panel<Shown> {
   apply.title = text.applyHint;
   const remove = button(text.remove, () => void actions.remove(), "quiet outlined");
   remove.title = text.removeHint;
+  const protocol = el("a", { href: "/api/scan_protocol.pdf", target: "_blank" }, text.protocol);
   const wrong = problem(() => actions.dismiss());
-  const element = el("section", { class: "panel", id: "true-size", "aria-label": text.label }, el("p", { class: "label" }, text.label), said, el("div", { class: "toolbar" }, measure, remove), ...ends.map(({ list }) => list.element), field.element, apply, wrong.element);
+  const element = el("section", { class: "panel", id: "true-size", "aria-label": text.label }, el("p", { class: "label" }, text.label), said, el("div", { class: "toolbar" }, measure, remove), ...ends.map(({ list }) => list.element), field.element, apply, wrong.element, protocol);
   return {
     element,
     select: only("meta", "problems", "scan", "picks", "active", "ruler"),

@@ -19,6 +19,7 @@ export const size = {
   removeHint: "The scan has the size of its file again.",
   scaled: (factor: number, from: string, to: string, mm: number) => `Scaled by ${factor.toFixed(3)}: ${from} to ${to} is ${cm(mm)}.`,
   places: ["one place", "another"] as readonly string[], // as the service calls ends without a name
+  protocol: "A page to print for taking scans with marks and a length",
   applied: "The scan has its true size.",
   removed: "The scan has the size of its file.",
 };

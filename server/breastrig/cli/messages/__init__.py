@@ -1,0 +1,1 @@
+"""What several commands say while they work, and of what they read."""
