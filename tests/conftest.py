@@ -5,6 +5,7 @@ Modules and thousands of collected tests last as long as the process; they are l
 over, and young objects more rarely than elsewhere: of every 80 s of work 6 went into that, now 3.
 A shell starts what runs in the background with SIGINT ignored, and programs that tests start would inherit that.
 Files are not synced to the disk: processes are killed here and machines are not, so that waiting for it shows nothing.
+They are in memory where there is room (helpers/temporary.py).
 """
 
 import gc
@@ -19,6 +20,7 @@ import pytest
 import scipy.linalg  # noqa: F401  loads SciPy's own BLAS, so that the limit below meets it too
 from helpers import remembered
 from helpers.batch_here import Here
+from helpers.temporary import keep_in_memory
 from hypothesis import HealthCheck, settings
 from threadpoolctl import threadpool_limits
 
@@ -32,6 +34,7 @@ threadpool_limits(limits=1)  # this process
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # and those that tests start
 
 os.fsync = lambda _descriptor: None
+keep_in_memory()
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)

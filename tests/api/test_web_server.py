@@ -257,6 +257,7 @@ def test_a_patient_reader_gets_all_of_a_large_answer(serve: Serve) -> None:
         assert served.closed.is_set()
 
 
+@pytest.mark.usefixtures("computed_anew")
 def test_one_client_cannot_take_all_readers(
     serve: Serve, service: Service, torso: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:

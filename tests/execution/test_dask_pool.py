@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from helpers import fake_batch, in_worker
-from helpers.dask_cluster import PLACES, Cluster, cluster, wait_until_ready
+from helpers.dask_cluster import LIGHT, PLACES, Cluster, cluster, wait_until_ready
 from helpers.real_server import alive
 from helpers.waiting import until
 
@@ -29,7 +29,7 @@ GIB = 2**30
 
 @pytest.fixture(scope="module")
 def two_workers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
-    with cluster(tmp_path_factory.mktemp("cluster"), workers=2) as found:
+    with cluster(tmp_path_factory.mktemp("cluster"), LIGHT) as found:
         yield found
 
 
