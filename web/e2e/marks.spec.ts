@@ -67,7 +67,9 @@ test("a mark is placed and named on one scan and found again on the other", asyn
   await size.getByLabel("From").selectOption("mid_sternum");
   await size.getByLabel("On the patient").fill((1.05 * distance(before, nipple) / 10).toFixed(2));
   await size.getByLabel("On the patient").press("Tab");
-  await size.getByRole("button", { name: "Apply" }).click();
+  await expect(size.getByLabel("On the patient"), "it stays").not.toHaveValue("");
+  await expect(size.getByRole("button", { name: "Apply" })).toBeFocused();
+  await page.keyboard.press("Enter");
   await expect(size).toContainText(/Scaled by 1\.0[45]\d: .+ to another is/);
   const factor = await page.evaluate(() => window.__breastrig!.state().scan!.info.scale!.factor);
   expect(distance((await hook.pick(page, "mid_sternum"))!, before.map((value) => factor * value) as typeof before), "mm").toBeLessThan(0.01);

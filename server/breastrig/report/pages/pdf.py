@@ -68,6 +68,7 @@ WARNINGS = {
 }
 METHODS = (  # a sentence, and the measure that it is about; none for what holds of all
     ("Left and right are the patient's; ± is the larger side of a band that contains nine of ten true values.", None),
+    ("All lengths and bands take the scan's size as true.", None),
     (f"{VAGUELY_KNOWN.capitalize()}: the band is wider than a tenth of the number.", None),
     ("Straight: distance in space. Along the skin: shortest path on the fitted model's skin, holes bridged.", None),
     ("Landmarks as picked, else as seen in the scan's colours, else of the model.", None),

@@ -27,10 +27,9 @@ export function createSizeRow(actions: SizeActions): Panel<Shown> {
   const ends = SIDES.map((side) => ({ side, list: select(text.ends[side], (value) => actions.choose(side, value === CLICKED ? null : value)) }));
   const field = numberField({ name: "measured", label: text.field, unit: "cm", min: 1, max: 300, hint: text.hint, mayBeEmpty: true, changed: (cm) => {
     mm = cm === null ? null : 10 * cm;
-    apply.disabled = mm === null || !isReady;
+    field.set(cm);
   } });
-  let isReady = false;
-  const apply = button(text.apply, () => mm !== null && void actions.apply(mm), "outlined");
+  const apply = button(text.apply, () => (mm === null ? field.element.querySelector("input")!.focus() : void actions.apply(mm)), "outlined");
   apply.title = text.applyHint;
   const remove = button(text.remove, () => void actions.remove(), "quiet outlined");
   remove.title = text.removeHint;
@@ -57,11 +56,10 @@ export function createSizeRow(actions: SizeActions): Panel<Shown> {
       const [start, end] = scale?.between.map(called) ?? [];
       const known = scale ? text.scaled(scale.factor, start!, end!, scale.mm) : text.ask;
       setText(said, active === rulerKey("from") ? text.clickFrom : active === rulerKey("to") ? text.clickTo : found !== null ? text.inScan(found) : known);
-      isReady = found !== null;
       if (of !== `${scan?.info.id} ${scale?.factor}`) mm = null;
       of = `${scan?.info.id} ${scale?.factor}`;
       field.set(mm === null ? null : mm / 10);
-      apply.disabled = mm === null || !isReady;
+      apply.disabled = found === null;
       wrong.set(problems.size);
     },
   };
