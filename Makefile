@@ -74,6 +74,7 @@ pytest: page $(VENV)/.stamp-test
 
 browser: page web-packages $(VENV)/.stamp-test
 	BREASTRIG_CHROMIUM="$$(sh .ci/chromium.sh)" && export BREASTRIG_CHROMIUM && \
+	    TMPDIR="$$("$(VENV)/bin/python" tests/helpers/temporary.py)" && export TMPDIR && \
 	    PYTHONDONTWRITEBYTECODE= $(IN_VENV) npm --prefix web run e2e
 
 # The same tests as in `make test`, with many more cases, other ones each time.
