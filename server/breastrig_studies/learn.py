@@ -175,7 +175,7 @@ def _verdict(found: LearnedFits, stances: set[str]) -> dict[str, Any]:
             least = {"check": max(check, 0.0), "no_torso": last}
             rounded = {key: float(f"{value:.3g}") for key, value in least.items()}
             if rounded["check"] != rounded["no_torso"]:
-                signals[name] = limit.model_copy(update=rounded | {"hanging": None})
+                signals[name] = limit.model_copy(update=rounded)
     limits: VerdictLimits = torso.model_copy(
         update={"stances": tuple(sorted(stances)), "size": None, "signals": signals, "of_stance": {}}
     )

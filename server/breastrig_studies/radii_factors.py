@@ -35,6 +35,7 @@ from breastrig.fitting.uncertainty.radii import (
     factor_of,
     scatter_of,
     seen_vertices,
+    shows_part,
 )
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
@@ -64,6 +65,7 @@ class Score:
     score: float  # error over the posterior's deviation
     deviation: float  # m
     strain: float  # of the fit
+    part: bool  # whether the scan shows a part of the body
     scatter: float = NO_PICKS.deviation  # of the picks (radii.py)
     picks: int = NO_PICKS.picks
 
@@ -90,10 +92,11 @@ def fitted(scene: Scene, rig: Rig, recipe: Recipe, picks: dict[str, Array], star
 def scores_of(posterior: Posterior, scene: Scene, true: ReferenceFit | None) -> Iterator[Score]:
     """The scores of all known places of a fit: landmarks, and EACH vertices of each region."""
     rig, state, picked = posterior.task.rig, posterior.state, posterior.task.picked
-    names, rng, scatter = tuple(scene.landmarks), np.random.default_rng(SEED), scatter_of(posterior)
+    names, rng, seen = tuple(scene.landmarks), np.random.default_rng(SEED), seen_vertices(posterior)
+    fit = posterior.strain, shows_part(seen), *scatter_of(posterior)
 
     def score(kind: str, name: str, error: float, deviation: float) -> Score:
-        return Score(kind, split_side(name)[0], error / deviation, deviation, posterior.strain, *scatter)
+        return Score(kind, split_side(name)[0], error / deviation, deviation, *fit)
 
     deviations = np.sqrt(posterior.landmark_variances(names))
     model = dict(zip(rig.landmark_names, rig.landmark_points().positions(state.vertices, rig.faces), strict=True))
@@ -104,7 +107,7 @@ def scores_of(posterior: Posterior, scene: Scene, true: ReferenceFit | None) -> 
             yield score("given" if name in picked else way, name, error, deviation)
     if true is None or scene.case.stance == PRONE:  # an MRI shows too little skin to say what lies where along it
         return
-    seen, deviations = seen_vertices(posterior), np.sqrt(posterior.vertex_variances())
+    deviations = np.sqrt(posterior.vertex_variances())
     errors = np.linalg.norm(state.vertices - true.vertices, axis=1)
     for name, vertices in _regions(rig):
         for is_seen, way in ((True, "seen"), (False, "hidden")):
@@ -138,7 +141,7 @@ Known = list[tuple[str, str, Score]]  # patient, stance
 def larger_for(each: Score, known: Calibration) -> float:
     """The factor for the fit's strain and the picks' scatter; that one at least 1 for hidden skin, which none shows."""
     times = known.enlarged(Scatter(each.scatter, each.picks), given=each.state == "given")
-    return known.strained(each.strain) * (max(times, 1.0) if each.state == "hidden" else times)
+    return known.strained(each.strain, part=each.part) * (max(times, 1.0) if each.state == "hidden" else times)
 
 
 def factors(found: Known, known: Calibration) -> dict[str, dict[str, dict[str, float]]]:

@@ -27,7 +27,7 @@ def test_radii_hold_nine_of_ten_places_and_limits_are_those_that_people_chose(tm
     rig, rng, found = read_rig(glb), np.random.default_rng(0), learn.LearnedFits()
     for k in range(40):
         scores = [
-            Score(state, "wrist", float(spread * each), deviation=0.002, strain=1.0, scatter=1.0)
+            Score(state, "wrist", float(spread * each), deviation=0.002, strain=1.0, part=False, scatter=1.0)
             for state, spread in SPREAD.items()
             for each in np.linalg.norm(rng.normal(size=(50, 2)), axis=1)
         ]

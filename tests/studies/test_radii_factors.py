@@ -54,7 +54,7 @@ def known_women(seed: int, women: int, places: int) -> Known:
             scale = strain * size * (1.0 if "alone" in state else max(scatter, 1.0) if state == "hidden" else scatter)
             for error in scale * np.linalg.norm(rng.normal(size=(places, 2)), axis=1):
                 some = NO_PICKS if "alone" in state else Scatter(scatter, 9)
-                found.append((f"w{number}", "standing", Score(state, kind, float(error), 0.004, strain, *some)))
+                found.append((f"w{number}", "standing", Score(state, kind, float(error), 0.004, strain, False, *some)))
     return found
 
 
@@ -127,7 +127,7 @@ def errors_of(state: str, size: float, women: int, picks: int = 0) -> Known:
     rng, known = np.random.default_rng(picks), []
     for woman in range(women):
         for error in size * np.linalg.norm(rng.normal(size=(60, 2)), axis=1):
-            known.append((f"w{woman}", "standing", Score(state, "nipple", float(error), 0.004, 1.0, 1.0, picks)))
+            known.append((f"w{woman}", "standing", Score(state, "nipple", float(error), 0.004, 1.0, False, 1.0, picks)))
     return known
 
 
@@ -145,7 +145,7 @@ def test_a_place_without_picks_has_at_least_the_factor_that_it_has_beside_some()
 
 def test_a_half_of_few_women_does_not_speak_for_others() -> None:
     """With fewer than fifteen women in the development half both halves estimate, otherwise that half alone."""
-    one = Score("given", "nipple", 1.0, 0.004, 1.0)
+    one = Score("given", "nipple", 1.0, 0.004, 1.0, False)
 
     def of(half: str, stance: str, women: int) -> Known:
         return [(f"{half} {k}", stance, one) for k in range(women)]

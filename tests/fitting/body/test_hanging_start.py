@@ -146,5 +146,4 @@ def test_how_skin_faces_is_not_asked_of_breasts_that_hang(rig: Rig) -> None:
     compared = Comparison(target, pose(rig, hanging), rig.faces)
     stiff = fit_signals(rig, hanging, compared, None)
     asked = fit_signals(rig, rest, compared, None)
-    assert (stiff.hanging, asked.hanging) == (2.0, 0.0)
     assert stiff.angle_p90 < 0.5 * asked.angle_p90

@@ -190,7 +190,9 @@ def test_all_radii_grow_with_the_strain_of_the_fit_and_what_the_start_leaves_ope
     assert asked(0.0, strain=0.08).lost == asked(0.0).lost
     assert np.isnan(forearm.strain)  # nothing is known of forearms together
     never_measured = KNOWN.model_copy(update={"usual_strain": None})
-    assert never_measured.strained(7.0) == 1.0
+    assert never_measured.strained(7.0, part=False) == 1.0
+    times = [[KNOWN.strained(0.04 * each, part=part) for each in (0.1, 0.9, 3.0)] for part in (False, True)]
+    assert times == [pytest.approx([0.75, 0.9, 3.0]), pytest.approx([1.0, 1.0, 3.0])]
 
 
 def test_the_strain_of_bodies_as_they_were_expected_is_the_root_of_their_distance_to_the_scan() -> None:

@@ -47,7 +47,8 @@ class Scatter(NamedTuple):
 
 
 NO_PICKS = Scatter(1.0, 0)
-LEAST_STRAIN = 0.75  # of the usual one: a part of a body strains the model little, however unlike it the body is
+LEAST_STRAIN = 0.75  # of the usual one, that a radius counts; of a scan of a part, which strains little, it is 1
+PART = 0.66  # of the model's vertices, that a scan shows: whole ones 0.74 and more, parts 0.57 and less
 
 
 class WithoutPicks(SettingsPart):
@@ -81,11 +82,11 @@ class Calibration(SettingsPart):
         square = (scatter.deviation / self.expected_scatter) ** 2
         return float(((expected + found * square) / (expected + found)) ** 0.5)
 
-    def strained(self, strain: float) -> float:
+    def strained(self, strain: float, *, part: bool) -> float:
         """The factor of all radii of a fit with this strain; 1 without scan, or where nobody knows what is usual."""
         if self.usual_strain is None or not np.isfinite(strain):
             return 1.0
-        return max(strain / self.usual_strain, LEAST_STRAIN)
+        return max(strain / self.usual_strain, 1.0 if part else LEAST_STRAIN)
 
     def of_stance(self, stance: str) -> StanceFactors:
         """The factors of this stance; those that are not measured in it are of standing bodies."""
@@ -157,7 +158,8 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
         return None
     by_colour, factors = task.given.keys() - task.picked, known.of_stance(task.stance)
     lost = 0.0 if margin is None or by_colour >= BOTH else HOLDS_90 * known.without_picks.lost(margin)
-    scatter, names, strained = scatter_of(posterior), tuple(rig.landmark_names), known.strained(posterior.strain)
+    scatter, names, seen = scatter_of(posterior), tuple(rig.landmark_names), seen_vertices(posterior)
+    strained = known.strained(posterior.strain, part=shows_part(seen))
     at_given, elsewhere = (known.enlarged(scatter, given=given) for given in (True, False))
     times = landmark_factors(posterior, factors, expected=expected)
     times *= strained * np.array([at_given if name in task.given else elsewhere for name in names])
@@ -165,7 +167,6 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     joint = larger[:, None] * posterior.joint_landmark_covariance(names) * larger
     joint += (lost / HOLDS_90) ** 2 / 3.0 * np.eye(len(joint))  # where else each lies is not known
     at_landmarks = HOLDS_90 * np.sqrt(np.diag(joint).reshape(-1, 3).sum(axis=1))
-    seen = seen_vertices(posterior)
     scattered = strained * np.where(seen, elsewhere, max(elsewhere, 1.0))
     now, once_picked = (scattered * skin_factors(posterior, factors, seen, picked=when) for when in (None, True))
     at_vertices = np.hypot(now * np.sqrt(posterior.vertex_variances()), lost)
@@ -205,6 +206,11 @@ def scatter_of(posterior: Posterior) -> Scatter:
     found = LeaveOneOut(posterior.of_picks_alone).deviations()
     deviations = np.minimum([each for name, each in found.items() if name in picked], OUTLYING)
     return Scatter(float(np.sqrt(np.mean(deviations**2) / 2.0)), len(deviations))  # the skin has two axes
+
+
+def shows_part(seen: Booleans) -> bool:
+    """Whether a scan that shows (V,) `seen` vertices is one of a part of the body."""
+    return float(seen.mean()) < PART
 
 
 def seen_vertices(posterior: Posterior) -> Booleans:

@@ -38,7 +38,6 @@ class FitSignals:
     facing: float  # share of the scan within the model's openings that faces as the model does
     stretch: float  # root mean square of the logarithms of the bones' scales, over those of the mean of bodies
     limits: float  # share of the shapes that ended at a limit
-    hanging: float = 0.0  # weight of the shape by which breasts hang, of the one that hangs more
 
 
 def fit_signals(
@@ -49,9 +48,8 @@ def fit_signals(
     part = np.ones(len(compared.vertices), dtype=np.bool_) if part is None else part
     found = compared.accepted
     here = part[found.vertices]
-    hang = _hanging(rig, x)
     stiff = part.copy()
-    for side, weight in hang.items():
+    for side, weight in _hanging(rig, x).items():
         if weight > HANGS:
             stiff[rig.regions.get(f"breast_{side}", [])] = False
     asked = stiff[found.vertices]
@@ -78,7 +76,6 @@ def fit_signals(
         facing=float(facing[inside].mean()) if inside.any() else np.nan,
         stretch=float(np.sqrt(np.mean(np.log(x.scales / mean)[bones] ** 2))),
         limits=float(at_limit.mean()) if len(at_limit) else 0.0,
-        hanging=max(hang.values(), default=0.0),
     )
 
 

@@ -27,7 +27,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import PickIssue
 from breastrig.fitting.uncertainty.radii import Radii, radii, seen_vertices
-from breastrig.fitting.verdicts.fit_signals import HANGS, FitSignals, fit_signals
+from breastrig.fitting.verdicts.fit_signals import FitSignals, fit_signals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, of_doubts, of_lesions, sentences
 from breastrig.least_squares.newton import Status
 from breastrig.rig.known import NOT_CALIBRATED, known_part
@@ -115,7 +115,6 @@ class SignalLimits(SettingsPart):
     fact: str  # a sentence without its end; {value} is the signal
     advice: Literal["compare", "scan", "landmarks"]  # what to do about it
     distance: str = ""  # what it is a distance of; of signals of one distance only the strongest is a reason
-    hanging: float | None = None  # the first limit where breasts hang; absent: the same
     scan_alone: bool = False  # says nothing where landmarks placed the fit
 
 
@@ -248,7 +247,7 @@ def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks
     """The strengths of the signals that apply to this fit, by name."""
     values = vars(signals)
     found = {
-        name: _strength(values[name], limit, signals.hanging > HANGS)
+        name: _strength(values[name], limit)
         for name, limit in limits.signals.items()
         if np.isfinite(values[name]) and not (given.on_their_own and limit.scan_alone)
     }
@@ -270,17 +269,15 @@ def _reasons(
     return tuple(found)
 
 
-def _strength(value: float, limit: SignalLimits, hangs: bool) -> float:
+def _strength(value: float, limit: SignalLimits) -> float:
     """0 up to the first limit, 1 at the second, more beyond."""
-    check = limit.hanging if hangs and limit.hanging is not None else limit.check
-    return float(max((value - check) / (limit.no_torso - check), 0.0))
+    return float(max((value - limit.check) / (limit.no_torso - limit.check), 0.0))
 
 
 def shows_a_part(signals: FitSignals, limits: VerdictLimits | None) -> bool:
     """Whether the scan shows so little that it matters who placed the fit."""
     return limits is not None and any(
-        limit.scan_alone and _strength(vars(signals)[name], limit, hangs=False) > 0.0
-        for name, limit in limits.signals.items()
+        limit.scan_alone and _strength(vars(signals)[name], limit) > 0.0 for name, limit in limits.signals.items()
     )
 
 
