@@ -63,7 +63,7 @@ class Pair:
 
 def pairs(rig: Rig, folder: Path) -> Iterator[tuple[dict[str, str], tuple[Scene, Scene], Pair]]:
     """The pairs of scans of the development half that show the whole torso, with the record of each patient."""
-    for patient, cases in _stances(folder):
+    for patient, cases in paired(folder):
         scenes = (read_scene(cases[0]), read_scene(cases[1]))
         fits = [fitted(rig, load_recipe("default"), scene, scene.landmarks) for scene in scenes]
         asked = places(rig, scenes, fits[0])
@@ -71,7 +71,8 @@ def pairs(rig: Rig, folder: Path) -> Iterator[tuple[dict[str, str], tuple[Scene,
         yield patient, scenes, Pair(fits[0], fits[1], asked.points, asked.true, nearest)
 
 
-def _stances(folder: Path) -> Iterator[tuple[dict[str, str], tuple[Case, Case]]]:
+def paired(folder: Path) -> Iterator[tuple[dict[str, str], tuple[Case, Case]]]:
+    """Each patient's record with each pair of a standing and a supine scan, of the development half."""
     by_patient: dict[str, list[Case]] = {}
     for case in read_cohort(folder):
         by_patient.setdefault(case.patient, []).append(case)

@@ -3,14 +3,16 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import breast_skins
-from breastrig.volume.predicted import FILE, STANCES, TENTH, GravityPrior, gravity_prior
-from breastrig_studies.gravity import estimate
+from breastrig.volume.predicted import FILE, STANCES, TENTH, GravityPrior, Way, gravity_prior, posture
+from breastrig_studies.gravity import estimate, two_stances
 from breastrig_studies.gravity.estimate import Woman, document, gaussian, misses, with_band, with_lying_mean
 
 PLACES, KINDS = 60, 4  # vertices, and ways in which women differ
@@ -79,7 +81,8 @@ def test_each_quarter_has_its_part_and_the_test_set_none(
     assert used["with_band"] == {number for number in range(40) if number % 4 == 1}
     written = json.loads((tmp_path / FILE).read_text())
     prior = with_band(gaussian(known[::2]), known[1::4], breast_skins(rig)[0].breast)
-    assert written == document(with_lying_mean(rig, prior), 40)
+    way = replace(with_lying_mean(rig, prior.ways[0]), women=40)
+    assert written == document(replace(prior, ways=(way, *gravity_prior(rig).ways[1:])))
 
 
 def test_the_file_says_what_was_estimated(rig: Rig) -> None:
@@ -87,13 +90,36 @@ def test_the_file_says_what_was_estimated(rig: Rig) -> None:
     rng, count = np.random.default_rng(7), len(breast_skins(rig)[0].skin)
     mean = {name: rng.normal(0.0, 0.02, count * 3) for name in STANCES}
     factors = {name: rng.normal(0.0, 0.01, (3, count * 3)) for name in STANCES}
-    prior = GravityPrior(mean, factors, observation=0.043, band=2.345, posture=0.0125)
-    read = gravity_prior(replace(rig, known={FILE: json.dumps(document(prior, 9))}))
-    assert (read.observation, read.band, read.posture) == pytest.approx((0.043, 2.345, 0.0125))
+    prior = GravityPrior((Way(mean, factors, 0.043, 9),), band=2.345, posture=0.0125)
+    read = gravity_prior(replace(rig, known={FILE: json.dumps(document(prior))}))
+    assert (read.ways[0].observation, read.band, read.posture) == pytest.approx((0.043, 2.345, 0.0125))
     for name in STANCES:
-        assert read.mean[name] == pytest.approx(mean[name], abs=0.51 * TENTH)
-        assert read.factors[name] == pytest.approx(factors[name], abs=0.51 * TENTH)
+        assert read.ways[0].mean[name] == pytest.approx(mean[name], abs=0.51 * TENTH)
+        assert read.ways[0].factors[name] == pytest.approx(factors[name], abs=0.51 * TENTH)
         heights = mean[name].reshape(-1, 3) + 0.004
         for goal in {*STANCES} - {name}:
             for got, wanted in zip(read.moved(heights, name, goal), prior.moved(heights, name, goal), strict=True):
                 assert got == pytest.approx(wanted, abs=5e-4)
+
+
+def test_bodies_known_standing_and_lying_are_one_way_more(
+    rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The truth is the fit itself, laid down elsewhere and turned: each breast's motion, the right one mirrored."""
+    skins, random = breast_skins(rig), np.random.default_rng(9)
+    moves = np.zeros_like(rig.template)
+    moves[skins[0].skin[skins[0].breast]] = [0.01, 0.02, -0.03]
+    moves[skins[1].skin[skins[1].breast]] = [-0.01, 0.02, -0.03]
+    turn = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    lying = (rig.template + posture(rig, "supine") + moves) @ turn.T + random.normal(size=3)
+    scenes = [SimpleNamespace(truth=ClosestPointSearch(each, rig.faces)) for each in (rig.template, lying)]
+    fit = SimpleNamespace(vertices=rig.template)
+    left, right = two_stances.breasts(rig, fit, scenes)
+    for each in (left, right):
+        found = (each.heights["supine"] - each.heights["standing"]).reshape(-1, 3)
+        assert found == pytest.approx(np.where(skins[0].breast[:, None], [0.01, 0.02, -0.03], 0.0), abs=2e-3)
+    monkeypatch.setattr(two_stances, "women_in", lambda *_: iter([left, right]))
+    two_stances.main([tmp_path], tmp_path / FILE)
+    written = gravity_prior(replace(rig, known={FILE: (tmp_path / FILE).read_text()}))
+    assert [way.women for way in written.ways] == [gravity_prior(rig).ways[0].women, 2]
+    assert written.ways[1].mean.keys() == {"standing", "supine"}

@@ -11,6 +11,7 @@ from breastrig.volume.predicted import (
     LEAST,
     STANCES,
     GravityPrior,
+    Way,
     gravity_prior,
     in_standing_frame,
     posture,
@@ -24,7 +25,7 @@ def test_what_is_seen_in_one_stance_says_the_others_as_bayes_has_it() -> None:
     rng = np.random.default_rng(5)
     factors = {name: rng.normal(size=(2, 6)) for name in STANCES}
     mean = {name: rng.normal(size=6) for name in STANCES}
-    prior = GravityPrior(mean, factors, observation=0.5, band=1.7, posture=0.0)
+    prior = GravityPrior((Way(mean, factors, 0.5, 9),), band=1.7, posture=0.0)
     seen = rng.normal(size=6)
     move, radii = prior.moved(seen.reshape(2, 3), "standing", "prone")
     stands, moves = factors["standing"], factors["prone"] - factors["standing"]
@@ -40,7 +41,7 @@ def test_nine_of_ten_places_are_held_of_women_as_the_gaussian_has_them() -> None
     rng = np.random.default_rng(6)
     factors = {name: rng.normal(0.0, 0.01, (40, 30)) for name in STANCES}
     mean = {name: rng.normal(0.0, 0.01, 30) for name in STANCES}
-    prior = GravityPrior(mean, factors, observation=0.01, band=1.45, posture=0.0)
+    prior = GravityPrior((Way(mean, factors, 0.01, 9),), band=1.45, posture=0.0)
     held = []
     for _ in range(300):
         z = rng.normal(size=40)
@@ -52,8 +53,30 @@ def test_nine_of_ten_places_are_held_of_women_as_the_gaussian_has_them() -> None
 
 def test_no_place_is_known_exactly() -> None:
     alike = {name: np.ones((1, 3)) for name in STANCES}
-    prior = GravityPrior({name: np.zeros(3) for name in STANCES}, alike, observation=0.06, band=2.0, posture=0.0)
+    prior = GravityPrior((Way({name: np.zeros(3) for name in STANCES}, alike, 0.06, 9),), band=2.0, posture=0.0)
     assert prior.moved(np.zeros((1, 3)), "standing", "prone")[1] == pytest.approx([2.0 * LEAST])
+
+
+def test_ways_that_differ_are_met_halfway_and_their_distance_is_not_known() -> None:
+    rng = np.random.default_rng(8)
+    one, other = (
+        Way(
+            {name: rng.normal(size=6) for name in stances},
+            {name: rng.normal(0.0, 0.3, (2, 6)) for name in stances},
+            0.5,
+            9,
+        )
+        for stances in (STANCES, STANCES[:2])
+    )
+    prior, seen = GravityPrior((one, other), band=1.7, posture=0.0), rng.normal(size=(2, 3))
+    (first, of_first), (second, of_second) = (way.moved(seen, "standing", "supine") for way in (one, other))
+    move, radii = prior.moved(seen, "standing", "supine")
+    assert move == pytest.approx(0.5 * (first + second))
+    apart = ((first - second) ** 2).sum(axis=1) / 4
+    assert radii == pytest.approx(1.7 * np.sqrt(0.5 * (of_first + of_second) + apart))
+    move, radii = prior.moved(seen, "standing", "prone")  # which one way alone knows
+    assert move == pytest.approx(one.moved(seen, "standing", "prone")[0])
+    assert radii == pytest.approx(1.7 * np.sqrt(one.moved(seen, "standing", "prone")[1]))
 
 
 @pytest.mark.parametrize("goal", ["supine", "prone"])
@@ -140,7 +163,8 @@ def test_the_skin_joins_at_the_edge_of_the_breasts(rig: Rig) -> None:
     left = breast_skins(rig)[0].skin
     rim = np.isin(left, rig.faces[~np.isin(rig.faces, left).all(axis=1)])
     for goal in ("supine", "prone"):
-        move = (prior.mean[goal] - prior.mean["standing"]).reshape(-1, 3)
+        heights = prior.ways[0].mean["standing"].reshape(-1, 3)
+        move, _ = prior.moved(heights, "standing", goal)
         assert np.linalg.norm(move[rim], axis=1).max() < 3.5e-3
 
 

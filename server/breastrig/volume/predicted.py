@@ -1,16 +1,19 @@
 """Predicts a patient's skin in a stance that was not scanned, from the scan of another one.
 
 Two motions add up: that of the trunk and arms between standing and supine (drawings/skin_maps/lying_motion.py), and the
-effect of gravity on the breasts. That is estimated on a cohort solved by finite elements (breastrig_studies/gravity):
-the heights of a breast over the sheet of skin around it, in all stances, are one Gaussian
+effect of gravity on the breasts. That is estimated on bodies that were computed in several stances, in more than one
+way (breastrig_studies/gravity). To each way the heights of a breast over the sheet of skin around it, in all its
+stances, are one Gaussian
 
 x_s = m_s + F_s z, z ~ N(0, 1) for each stance s,
 
 so that the heights seen in one stance determine z, and z the others (conditional Gaussian; Bishop, Pattern Recognition
-and Machine Learning, 2006, 2.3 and 12.2). The numbers are data beside the rig, found by its hash.
+and Machine Learning, 2006, 2.3 and 12.2). Nobody knows which way is right: what is predicted is the mean of those that
+know both stances, and how far they are apart counts as what is not known (variance of a mixture). The numbers are data
+beside the rig, found by its hash.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Literal
@@ -29,7 +32,7 @@ from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig.volume.breast_skin import MIRROR, breast_skins
 
-FILE, SCHEMA = "gravity.json", "breastrig/gravity@1"
+FILE, SCHEMA = "gravity.json", "breastrig/gravity@2"
 STANCES = ("standing", "supine", "prone")
 LEAST = 1e-3  # m: no deviation is said to be smaller
 TENTH = 1e-4  # m: the unit of the file's integers
@@ -38,36 +41,59 @@ STERNUM = 0.03  # m, half the width of the skin on the sternum
 ARMS_FROM, ARMS_TO = 0.045, 0.12  # m from the breasts, between which the arms' motion comes in where breasts hang
 
 
-class _File(BaseModel):
-    schema_: Literal["breastrig/gravity@1"] = Field(alias="schema")
+class _Way(BaseModel):
     women: int
     mean: dict[str, list[int]]
     factors: dict[str, list[list[int]]]
     observation_mm: Annotated[FiniteFloat, Field(gt=0.0)]
+
+
+class _File(BaseModel):
+    schema_: Literal["breastrig/gravity@2"] = Field(alias="schema")
+    ways: Annotated[list[_Way], Field(min_length=1)]
     band: Annotated[FiniteFloat, Field(gt=0.0)]
     posture_mm: Annotated[FiniteFloat, Field(ge=0.0)]
 
 
 @dataclass(frozen=True, eq=False)
-class GravityPrior:
-    """P skin vertices that the left breast moves (breast_skin.py), K factors."""
+class Way:
+    """One way of computing bodies: P skin vertices that the left breast moves (breast_skin.py), K factors."""
 
-    mean: dict[str, Array]  # (P * 3,) m, heights by stance
-    factors: dict[str, Array]  # (K, P * 3) m
-    observation: float  # m: how far a fitted vertex may be from the same skin of the cohort
-    band: float  # times the standard deviation that holds the true place with 90 %
-    posture: float  # m: the radius of what posture leaves open, 90 %
+    mean: Mapping[str, Array]  # (P * 3,) m, heights by stance
+    factors: Mapping[str, Array]  # (K, P * 3) m
+    observation: float  # m: how far a fitted vertex may be from the same skin of these bodies
+    women: int
 
     def moved(self, heights: Array, stance: str, goal: str) -> tuple[Array, Array]:
-        """((P, 3) m from (P, 3) heights to those of the other stance, (P,) m radius that holds them with 90 %)."""
+        """((P, 3) m from (P, 3) heights to those of the other stance, (P,) m² variance of all three axes together)."""
         seen = self.factors[stance]
         away = (heights.ravel() - self.mean[stance]) @ seen.T / self.observation**2
         covariance = np.linalg.inv(np.eye(len(seen)) + seen @ seen.T / self.observation**2)
         change = self.factors[goal] - seen
         move = self.mean[goal] - self.mean[stance] + (covariance @ away) @ change
         variance = np.einsum("kp,kl,lp->p", change, covariance, change)
-        radii = self.band * np.sqrt(np.maximum(variance.reshape(-1, 3).sum(axis=1), LEAST**2))
-        return move.reshape(-1, 3), radii
+        return move.reshape(-1, 3), variance.reshape(-1, 3).sum(axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class GravityPrior:
+    """What is known of the motion of breasts between stances."""
+
+    ways: tuple[Way, ...]  # all stances are in one of them
+    band: float  # times the standard deviation that holds the true place with 90 %
+    posture: float  # m: the radius of what posture leaves open, 90 %
+
+    def between(self, stance: str, goal: str) -> tuple[Way, ...]:
+        """The ways that know both stances."""
+        return tuple(way for way in self.ways if {stance, goal} <= way.mean.keys())
+
+    def moved(self, heights: Array, stance: str, goal: str) -> tuple[Array, Array]:
+        """((P, 3) m from (P, 3) heights to those of the other stance, (P,) m radius that holds them with 90 %)."""
+        found = [way.moved(heights, stance, goal) for way in self.between(stance, goal)]
+        moves, variances = np.array([move for move, _ in found]), np.array([variance for _, variance in found])
+        move = moves.mean(axis=0)
+        variance = variances.mean(axis=0) + ((moves - move) ** 2).sum(axis=2).mean(axis=0)
+        return move, self.band * np.sqrt(np.maximum(variance, LEAST**2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +110,17 @@ def gravity_prior(rig: Rig) -> GravityPrior | None:
     found = known_part(rig, FILE, _File)
     if found is None:
         return None
+    ways = [
+        Way(
+            {name: TENTH * np.array(heights) for name, heights in way.mean.items()},
+            {name: TENTH * np.array(factors) for name, factors in way.factors.items()},
+            1e-3 * way.observation_mm,
+            way.women,
+        )
+        for way in found.ways
+    ]
     return GravityPrior(
-        mean={name: TENTH * np.array(found.mean[name]) for name in STANCES},
-        factors={name: TENTH * np.array(found.factors[name]) for name in STANCES},
-        observation=1e-3 * found.observation_mm,
+        ways=tuple(ways),
         band=found.band,
         posture=1e-3 * found.posture_mm,
     )
@@ -133,7 +166,7 @@ def with_breasts(
     hanging = skin_map_settings(rig).error_hanging if PRONE in (stance, goal) else 0.0
     for each, (move, within) in zip(breast_skins(rig), breasts, strict=True):
         moves[each.skin] += move
-        radii[each.skin] = np.sqrt(prior.posture**2 + within**2 + hanging**2)
+        radii[each.skin] = np.maximum(radii[each.skin], np.sqrt(prior.posture**2 + within**2 + hanging**2))
     return Predicted(vertices + moves @ turn, radii)
 
 

@@ -1,4 +1,4 @@
-"""Writes gravity.json (volume/predicted.py) from solved bodies: `make cohort`, then
+"""Writes gravity.json (volume/predicted.py), its first way, from solved bodies: `make cohort`, then
 
 python -m breastrig_studies.gravity.estimate FOLDER
 
@@ -19,7 +19,17 @@ from breastrig.core.arrays import Array, Booleans
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.volume.breast_skin import BreastSkin, breast_skins
-from breastrig.volume.predicted import FILE, SCHEMA, STANCES, TENTH, GravityPrior, in_template, lying
+from breastrig.volume.predicted import (
+    FILE,
+    SCHEMA,
+    STANCES,
+    TENTH,
+    GravityPrior,
+    Way,
+    gravity_prior,
+    in_template,
+    lying,
+)
 from breastrig_studies.arguments import arguments
 
 PLACE = default_rig_path().with_suffix(".known") / FILE
@@ -55,19 +65,20 @@ def _woman(rig: Rig, left: BreastSkin, file: Path) -> Woman:
     return Woman(int(file.stem), {name: (standing + move).ravel() for name, move in moves.items()})
 
 
-def gaussian(women: Sequence[Woman]) -> GravityPrior:
+def gaussian(women: Sequence[Woman], factors: int = FACTORS, observation: float = OBSERVATION) -> Way:
     """Mean and strongest factors of all stances together; motions count as much as shapes, which vary more."""
-    rows = {name: np.array([woman.heights[name] for woman in women]) for name in STANCES}
+    stances = tuple(women[0].heights)
+    rows = {name: np.array([woman.heights[name] for woman in women]) for name in stances}
     mean = {name: found.mean(axis=0) for name, found in rows.items()}
     shape = rows["standing"] - mean["standing"]
-    moves = [rows[name] - rows["standing"] - mean[name] + mean["standing"] for name in STANCES[1:]]
+    moves = [rows[name] - rows["standing"] - mean[name] + mean["standing"] for name in stances[1:]]
     weight = np.sqrt((shape**2).sum() / sum((move**2).sum() for move in moves))
     _, sizes, ways = np.linalg.svd(np.hstack([shape, *(weight * move for move in moves)]), full_matrices=False)
-    kept = sizes[:FACTORS, None] * ways[:FACTORS] / np.sqrt(len(women))
-    standing, *moved = np.split(kept, len(STANCES), axis=1)
-    factors = {"standing": standing}
-    factors |= {name: standing + move / weight for name, move in zip(STANCES[1:], moved, strict=True)}
-    return GravityPrior(mean, factors, OBSERVATION, 1.0, POSTURE)
+    kept = sizes[:factors, None] * ways[:factors] / np.sqrt(len(women))
+    standing, *moved = np.split(kept, len(stances), axis=1)
+    by_stance = {"standing": standing}
+    by_stance |= {name: standing + move / weight for name, move in zip(stances[1:], moved, strict=True)}
+    return Way(mean, by_stance, observation, len(women))
 
 
 def misses(prior: GravityPrior, women: Sequence[Woman], stance: str, goal: str) -> tuple[Array, Array]:
@@ -80,23 +91,24 @@ def misses(prior: GravityPrior, women: Sequence[Woman], stance: str, goal: str) 
     return np.array([miss for miss, _ in found]), np.array([radius for _, radius in found])
 
 
-def with_band(prior: GravityPrior, women: Sequence[Woman], breast: Booleans) -> GravityPrior:
-    """The prior with the band that holds nine of ten of the (P,) bool `breast` vertices of the development bodies."""
+def with_band(way: Way, women: Sequence[Woman], breast: Booleans) -> GravityPrior:
+    """That way alone, with the band that holds nine of ten of the (P,) bool `breast` vertices of the bodies."""
+    prior = GravityPrior((way,), 1.0, POSTURE)
     ratios = [np.divide(*(each[:, breast] for each in misses(prior, women, "standing", goal))) for goal in STANCES[1:]]
     return replace(prior, band=float(np.quantile(np.concatenate(ratios), HELD)))
 
 
-def with_lying_mean(rig: Rig, prior: GravityPrior) -> GravityPrior:
-    """The prior with the mean of lying breasts from bodies known in both stances by two ways of computing.
+def with_lying_mean(rig: Rig, way: Way) -> Way:
+    """With the mean of lying breasts from bodies known in both stances by two ways of computing.
 
     The cohort, whose stiffness is drawn, gives the variation about that mean (decision 0008).
     """
     trunk, whole = lying(rig)
-    supine = prior.mean["standing"] + (whole - trunk)[breast_skins(rig)[0].skin].ravel()
-    return replace(prior, mean=prior.mean | {"supine": supine})
+    supine = way.mean["standing"] + (whole - trunk)[breast_skins(rig)[0].skin].ravel()
+    return replace(way, mean={**way.mean, "supine": supine})
 
 
-def document(prior: GravityPrior, women: int) -> dict[str, Any]:
+def document(prior: GravityPrior) -> dict[str, Any]:
     """The prior as the file's document."""
 
     def whole(values: Array) -> Any:
@@ -104,13 +116,23 @@ def document(prior: GravityPrior, women: int) -> dict[str, Any]:
 
     return {
         "schema": SCHEMA,
-        "women": women,
-        "observation_mm": 1e3 * prior.observation,
         "band": round(prior.band, 3),
         "posture_mm": 1e3 * prior.posture,
-        "mean": {name: whole(values) for name, values in prior.mean.items()},
-        "factors": {name: whole(values) for name, values in prior.factors.items()},
+        "ways": [
+            {
+                "women": way.women,
+                "observation_mm": 1e3 * way.observation,
+                "mean": {name: whole(values) for name, values in way.mean.items()},
+                "factors": {name: whole(values) for name, values in way.factors.items()},
+            }
+            for way in prior.ways
+        ],
     }
+
+
+def write(prior: GravityPrior, file: Path) -> None:
+    """Writes the file."""
+    file.write_text(json.dumps(document(prior), separators=(",", ":")) + "\n", "utf-8")
 
 
 def main(folder: Path, file: Path = PLACE) -> None:
@@ -129,9 +151,9 @@ def main(folder: Path, file: Path = PLACE) -> None:
             f"{stance} -> {goal}: {1e3 * miss.mean():.1f} mm mean, {1e3 * np.quantile(miss, 0.95):.1f} mm 95 %, "
             f"{(miss <= radii).mean():.0%} within their radii; not moved {1e3 * np.mean(still):.1f} mm\n"
         )
-    file.write_text(
-        json.dumps(document(with_lying_mean(rig, prior), len(women)), separators=(",", ":")) + "\n", "utf-8"
-    )
+    known = gravity_prior(rig)
+    others = () if known is None else known.ways[1:]  # two_stances.py
+    write(replace(prior, ways=(replace(with_lying_mean(rig, prior.ways[0]), women=len(women)), *others)), file)
 
 
 if __name__ == "__main__":

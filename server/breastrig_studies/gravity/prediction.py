@@ -1,8 +1,8 @@
 """Measures the error of skin predicted in a stance that was not scanned.
 
 The standing scan is fitted with its landmarks and predicted; the frame of the other scan is not known, so the
-prediction is aligned to it rigidly by its landmarks; the standing body aligned in the same way is the baseline
-(`rigid`).
+prediction is aligned to it rigidly by its landmarks. Two baselines are aligned in the same way: the standing body
+(`rigid`), and, supine, the standing body moved as skin does on the mean of other patients (`mean_motion`).
 
 Places: the `nipples`, the `breasts`' true skin, and the `lines` of the study of transfers.
 """
@@ -17,7 +17,7 @@ from breastrig.fitting.recipe import Recipe
 from breastrig.geometry.surface_points import SurfacePoints
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
-from breastrig.volume.predicted import gravity_prior, predicted
+from breastrig.volume.predicted import gravity_prior, in_template, lying, predicted
 from breastrig_studies.cohort import Case
 from breastrig_studies.studies.case import Scene, read_scene
 from breastrig_studies.studies.transfer import fitted, places
@@ -46,8 +46,12 @@ def _rows(rig: Rig, scene: Scene, fit: FittedScan, goal: Scene) -> list[dict[str
         nearest = search.query(points)
         return SurfacePoints(nearest.faces, nearest.barycentric)
 
-    def moved(points: Array) -> Array:
-        return points + at(points).positions(found.vertices - fit.vertices, rig.faces)
+    moves = {"predicted": found.vertices - fit.vertices, "rigid": np.zeros_like(fit.vertices)}
+    if goal.case.stance == "supine":
+        moves["mean_motion"] = lying(rig)[1] @ in_template(rig, fit.vertices)[1]
+
+    def moved(way: str, points: Array) -> Array:
+        return points + at(points).positions(moves[way], rig.faces)
 
     names = [name for name in scene.landmarks if name in goal.landmarks]
     marks, there = (np.array([each.landmarks[name] for name in names]) for each in (scene, goal))
@@ -58,10 +62,7 @@ def _rows(rig: Rig, scene: Scene, fit: FittedScan, goal: Scene) -> list[dict[str
     for kind, (points, true) in asked.items():
         if not len(points):
             continue
-        gaps = {
-            "predicted": _gaps(moved(marks), there, moved(points), true),
-            "rigid": _gaps(marks, there, points, true),
-        }
+        gaps = {way: _gaps(moved(way, marks), there, moved(way, points), true) for way in moves}
         within = at(points).positions(np.repeat(radii[:, None], 3, axis=1), rig.faces)[:, 0]
         rows.append(
             {"to": goal.case.name, "places": kind, "held": round(float((gaps["predicted"] <= within).mean()), 3)}

@@ -67,10 +67,10 @@ def prediction_table(records: Sequence[Record]) -> Table:
     """One row for each patient, predicted stance and kind of place, and their mean for each kind."""
     caption = (
         "Distance between where a standing scan alone predicts skin in another stance and its true place, mm: mean and "
-        "95 %, laid on the other scan by its landmarks, and the same for the standing body moved rigidly. Held: the "
-        "share of places within their radii."
+        "95 %, laid on the other scan by its landmarks, and the same for the standing body moved rigidly and, supine, "
+        "as on the mean of other patients. Held: the share of places within their radii."
     )
-    ways = ("predicted", "rigid")
+    ways = ("predicted", "rigid", "mean_motion")
     numbers = [column for way in ways for column in (Column(f"{way}_mm", way), Column(f"{way}_p95_mm", "95 %"))]
     key = (Column("to", "to", key=True), Column("places", "places", key=True))
     table = Table("prediction", caption, (WHO[0], PATIENT, *key, *numbers, Column("held", "held", 2)))
@@ -79,7 +79,8 @@ def prediction_table(records: Sequence[Record]) -> Table:
         kinds: dict[tuple[str, str], list[Row]] = {}
         for record in of(records, "prediction"):
             for row in record.answer.get("rows", []) if record.case.family == family else []:
-                cells = (row["to"], row["places"], *(value(row, path) for path in paths), value(row, "held"))
+                known = {"mean_motion": {"mean_mm": None, "p95_mm": None}} | row
+                cells = (row["to"], row["places"], *(value(known, path) for path in paths), value(row, "held"))
                 kinds.setdefault((row["to"], row["places"]), []).append(Row((word, record.case.patient, *cells)))
         for kind, rows in kinds.items():
             table.rows.extend([*rows, mean_row((word, "mean", *kind), rows)])
