@@ -121,6 +121,8 @@ def test_a_case_has_the_scan_in_its_true_size_until_the_length_is_taken_out(
     assert main([*words, "--put", *ENDS, str(length)]) == 0
     assert "Scaled by 1.053" in capsys.readouterr().out
     assert [each.state for each in case.fits(scan.id)] == ["done"]
+    assert main(["case", "show", str(case.path)]) == 0
+    assert ", scaled by 1.053 " in capsys.readouterr().out
     nose = main([*words, "--put", "nose", ENDS[1], "180"])
     assert (nose, 'ends at "nose"' in capsys.readouterr().err) == (2, True)
 

@@ -185,7 +185,9 @@ class ResultScale(Document):
     """How the scan got its true size; all else of the result is in it."""
 
     factor: FiniteFloat = Field(gt=0.0, description="from the size of the scan's file to the true one")
-    between: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(description="two landmarks or marks")
+    between: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(
+        description="two landmarks or marks; `one place` and `another` have no name"
+    )
     mm: FiniteFloat = Field(gt=0.0, description="the straight way between them, as measured on the patient")
     measured_mm: FiniteFloat = Field(gt=0.0, description="the same in the scan's file")
 

@@ -109,20 +109,14 @@ const id = encodeURIComponent;
 const KEPT_MESHES = 2;
 const meshes = new Map<string, Promise<ArrayBuffer>>();
 
-function mesh({ links }: Scan): Promise<ArrayBuffer> {
-  const found = meshes.get(links.mesh) ?? bytes(links.mesh);
-  meshes.delete(links.mesh);
-  meshes.set(links.mesh, found); // the one that was asked for last stands last
+function mesh({ links, scale }: Scan): Promise<ArrayBuffer> {
+  const key = `${links.mesh} ${scale?.factor ?? 1}`;
+  const found = meshes.get(key) ?? bytes(links.mesh);
+  meshes.delete(key);
+  meshes.set(key, found); // the one that was asked for last stands last
   for (const link of [...meshes.keys()].slice(0, -KEPT_MESHES)) meshes.delete(link);
-  found.catch(() => meshes.delete(links.mesh));
+  found.catch(() => meshes.delete(key));
   return found;
-}
-
-/** In another size it is another mesh. */
-async function resized(scan: Scan, method: "PUT" | "DELETE", length?: GivenLength): Promise<Scan> {
-  const info = await askJson<Scan>(`${scan.links.self}/length`, method, length);
-  meshes.delete(scan.links.mesh);
-  return info;
 }
 
 const KEPT_ALIVE_BYTES = 60_000; // the standard allows 64 kB for all of a page together
@@ -186,9 +180,9 @@ export const client = {
     return (await (await ask(scan.links.cuts, { method: "PUT", body, headers: tagging(seen), keepalive: body.length < KEPT_ALIVE_BYTES })).json()) as Cuts;
   },
   /** Its true size by a straight length that was measured on the patient. */
-  putLength: (scan: Scan, length: GivenLength) => resized(scan, "PUT", length),
+  putLength: (scan: Scan, length: GivenLength) => askJson<Scan>(`${scan.links.self}/length`, "PUT", length),
   /** The size of its file again. */
-  deleteLength: (scan: Scan) => resized(scan, "DELETE"),
+  deleteLength: (scan: Scan) => askJson<Scan>(`${scan.links.self}/length`, "DELETE"),
   /** The scan's model is the right one. */
   sayModel: ({ links, model }: Pick<Scan, "links" | "model">) => askJson<Scan>(`${links.self}/model`, "PUT", { model }),
   /** 202 means: still looking, ask again in so many seconds. */

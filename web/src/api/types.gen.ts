@@ -1388,7 +1388,7 @@ export type ResultPatient = {
 export type ResultScale = {
   /** from the size of the scan's file to the true one */
   factor: number;
-  /** two landmarks or marks */
+  /** two landmarks or marks; `one place` and `another` have no name */
   between: [string, string];
   /** the straight way between them, as measured on the patient */
   mm: number;

@@ -47,7 +47,7 @@ addEventListener("pagehide", () => void actions.drawing.flush());
 addEventListener("pagehide", () => void actions.deletion.send());
 // Whoever comes back to this tab learns what was written in another one meanwhile.
 const look = (): void => {
-  void Promise.all([actions.plan.look(), actions.landmarks.look()]);
+  void actions.size.look().then(() => Promise.all([actions.plan.look(), actions.landmarks.look()]));
   actions.unsaved.soon();
 };
 addEventListener("focus", look);

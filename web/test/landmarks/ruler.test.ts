@@ -31,7 +31,7 @@ test("what waits is saved before, and the scan is read again and fitted after; a
   const done: string[] = [];
   const store = createStore<Session>({ ...initialSession, scan: { info } as Session["scan"], ruler: { from: "nipple_L", to: [1, 2, 3] } });
   const putLength = vi.fn(() => (done.push("put"), Promise.resolve(info)));
-  const client = { putLength, deleteLength: () => Promise.reject(new ApiError("A fit of this scan waits or runs.", 409)) } as unknown as Client;
+  const client = { putLength, scan: () => Promise.resolve(info), deleteLength: () => Promise.reject(new ApiError("A fit of this scan waits or runs.", 409)) } as unknown as Client;
   const actions = sizeActions(store, client, {
     flush: () => Promise.resolve(done.push("flush")),
     reopen: () => Promise.resolve(done.push("reopen") > 0),
@@ -43,6 +43,12 @@ test("what waits is saved before, and the scan is read again and fitted after; a
   await actions.remove();
   expect(done.slice(4)).toEqual(["flush"]);
   expect(store.get().problems.size).toBe("A fit of this scan waits or runs.");
+  await actions.look();
+  expect(done.slice(5), "it has the size that is shown").toEqual([]);
+  Object.assign(client, { scan: () => Promise.resolve({ ...info, scale: { factor: 1.03 } }) });
+  await actions.look();
+  expect(done.slice(5)).toEqual(["reopen"]);
+  expect(store.get().problems.size).toContain("another size elsewhere");
   actions.measure();
   expect(store.get()).toMatchObject({ active: rulerKey("from"), ruler: { from: null, to: null } });
   actions.measure();

@@ -163,7 +163,8 @@ def show(options: argparse.Namespace) -> int:
 
 
 def _about(scan: CaseScan) -> str:
-    return f"{scan.created_at[:10]}, {scan.stance}, {scan.triangles:,} triangles, {scan.unit}   {scan.id}"
+    scaled = "" if scan.scale == 1.0 else f", scaled by {scan.scale:.3f}"
+    return f"{scan.created_at[:10]}, {scan.stance}, {scan.triangles:,} triangles, {scan.unit}{scaled}   {scan.id}"
 
 
 def list_cases(options: argparse.Namespace) -> int:

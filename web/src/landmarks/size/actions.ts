@@ -20,7 +20,7 @@ interface Others {
   begin(): void;
 }
 
-export function sizeActions(store: Store<State>, client: Pick<Client, "putLength" | "deleteLength">, others: Others) {
+export function sizeActions(store: Store<State>, client: Pick<Client, "putLength" | "deleteLength" | "scan">, others: Others) {
   async function change(ask: (scan: Scan) => Promise<Scan>, announcement: string): Promise<void> {
     const { scan } = store.get();
     if (!scan) return;
@@ -47,6 +47,14 @@ export function sizeActions(store: Store<State>, client: Pick<Client, "putLength
       return from === null || to === null ? Promise.resolve() : change((scan) => client.putLength(scan, { from: sentEnd(from), to: sentEnd(to), length_mm: mm }), text.applied);
     },
     remove: (): Promise<void> => change((scan) => client.deleteLength(scan), text.removed),
+    /** Another tab, or somebody else, may have given it another size: what is placed here would be in the wrong one. */
+    async look(): Promise<void> {
+      const { scan } = store.get();
+      const now = scan && (await client.scan(scan.info.id).catch(() => null));
+      const shown = store.get().scan?.info;
+      if (!now || shown?.id !== now.id || shown.scale?.factor === now.scale?.factor || !(await others.reopen(now))) return;
+      store.set((state) => ({ announcement: text.elsewhere, ...withProblem(state, "size", text.elsewhere) }));
+    },
     dismiss: (): void => store.set((state) => withProblem(state, "size", null)),
   };
 }

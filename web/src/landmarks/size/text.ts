@@ -21,5 +21,6 @@ export const size = {
   places: ["one place", "another"] as readonly string[], // as the service calls ends without a name
   protocol: "A page to print for taking scans with marks and a length",
   applied: "The scan has its true size.",
+  elsewhere: "The scan was given another size elsewhere. The page shows it in that size.",
   removed: "The scan has the size of its file.",
 };
