@@ -12,8 +12,10 @@ from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadLandmarks
 from breastrig.core.picks import Length
+from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.true_size import length_of, true_size
+from breastrig.use.folder.cohort import cohort_in
 
 EXAMPLE = asset_folder("example")
 SMALL = 0.95
@@ -105,7 +107,7 @@ def gaps_to(points: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 @pytest.mark.slow
 def test_a_case_has_the_scan_in_its_true_size_until_the_length_is_taken_out(
-    case: breastrig.Case, small: Path, length: float, capsys
+    case: breastrig.Case, small: Path, length: float, torso: Rig, capsys
 ) -> None:
     [scan], words = case.scans, ["case", "length", str(case.path)]
     true, kept = breastrig.read_scan(EXAMPLE / "standing" / "scan.ply"), case.read_scan(scan.id)
@@ -116,6 +118,7 @@ def test_a_case_has_the_scan_in_its_true_size_until_the_length_is_taken_out(
     assert (fit.state, case.scans[0].scale) == ("cancelled", 1.0)
     with pytest.raises(breastrig.BadInput, match="got another size"):
         case.load_fit(fit.id)
+    assert cohort_in([case.path], torso).others == ("1 left out: the scan has another size by now.",)
     small_scan = breastrig.read_scan(small / "scan.ply")
     assert np.array_equal(case.read_scan(scan.id).vertices, small_scan.vertices)
     assert main([*words, "--put", *ENDS, str(length)]) == 0

@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
+from breastrig.cases.documents import FitDocument, read_document
+from breastrig.cases.fits import is_of_other_size
+from breastrig.cases.layout import FIT
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadInput
 from breastrig.core.private_files import read_ordinary
@@ -34,7 +37,7 @@ def cohort_in(folders: Sequence[Path], rig: Rig, with_example: bool = False) -> 
     Raises BadInput for a folder without any, and for fits of another rig.
     """
     scans: list[tuple[str, str, Sums]] = []
-    silent = unusable = unchecked = examples = 0
+    silent = unusable = unchecked = examples = resized = 0
     files: set[str] = set()
     for place in _fits(folders):
         result = checked_result(place)
@@ -44,6 +47,9 @@ def cohort_in(folders: Sequence[Path], rig: Rig, with_example: bool = False) -> 
             )
         if result.predicted or (result.verdict is not None and result.verdict.level == "unusable"):
             unusable += 1
+            continue
+        if _is_of_other_size(place):
+            resized += 1
             continue
         if not with_example and result.scan.sha256 in example_scans():
             examples += 1
@@ -62,6 +68,7 @@ def cohort_in(folders: Sequence[Path], rig: Rig, with_example: bool = False) -> 
         (len(files) - prior.women, "another scan of the same patient in the same stance shows more"),
         (examples, "the package's example, which is nobody's patient"),
         (unusable, "not usable, or predicted"),
+        (resized, "the scan has another size by now"),
         (silent, f"no {BODY} of this version, or a rig without statistics of bodies"),
     )
     others = [f"{count} left out: {why}." for count, why in said if count]
@@ -95,6 +102,15 @@ def _fits(folders: Sequence[Path]) -> Iterator[Path]:
                 f"There is no fit in {folder_name(folder)}; give folders that `breastrig fit` or `batch` wrote."
             )
         yield from places
+
+
+def _is_of_other_size(place: Path) -> bool:
+    """Of a fit in a case: whether its scan got another size since."""
+    try:
+        content = (place / FIT).read_bytes()
+    except FileNotFoundError:
+        return False
+    return is_of_other_size(place, read_document(FitDocument, content, FIT))
 
 
 def _sums(place: Path, rig: Rig, result: ResultFile) -> Sums | None:
