@@ -79,6 +79,7 @@ def run_with(address: str, program: str) -> dict[str, Any]:
     """The names of a document's program that has run, asking the service at this address."""
     client = program.replace("http://127.0.0.1:8321/?token=...", address)
     assert client != program
+    client = client.replace("time.sleep(0.5)", "time.sleep(0.02)")  # a person has more time
     names: dict[str, Any] = {}
     exec(client, names)
     return names
