@@ -242,8 +242,11 @@ test("a tab that is looked at again says what was written in another one, and sh
   await example(page);
   await hook.ready(page);
   const second = await context.newPage();
+  const asked: string[] = [];
+  second.on("request", (request) => asked.push(new URL(request.url()).pathname));
   await second.goto(page.url());
   await hook.ready(second);
+  expect(asked, "of no other patients").not.toContain("/api/patients");
   await second.keyboard.press("3");
   await untilStill(second);
   await second.keyboard.press("p");

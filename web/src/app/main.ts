@@ -88,13 +88,13 @@ async function begin(): Promise<void> {
   }
   followModels(store, client);
   followMarks(store);
-  // Whenever no patient is on the page, the list of all is, as the service has it now.
-  store.select(only("scan"), ({ scan }) => {
-    if (scan === null) queueMicrotask(() => void actions.patients.read());
-  });
   void client.isSignedIn().then((isSignedIn) => store.set({ isSignedIn }), () => undefined); // then there is just no button
   const hash = takeAddress(sessionStorage);
   if (hash !== null && location.hash === "") history.replaceState(null, "", hash || location.pathname);
   await followAddress(store, actions);
+  // Whenever no patient is on the page, the list of all is, as the service has it now; not before the one that the address names.
+  store.select(only("scan"), ({ scan }) => {
+    if (scan === null) queueMicrotask(() => void actions.patients.read());
+  });
   await actions.unsaved.now(); // what could not be saved of scans that are not on the page
 }

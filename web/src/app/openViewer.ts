@@ -30,7 +30,7 @@ import { isComparing, isPredicted, stanceNames, type Workspace } from "../stance
 import { stances as stancesText } from "../stances/text";
 import type { Theme } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
-import { only, type Store } from "../store/store";
+import { fieldsOf, only, type Store } from "../store/store";
 import { onClick } from "../viewer/clicks";
 import { Crosshair } from "../viewer/Crosshair";
 import { listenToViewKeys } from "../viewer/keys";
@@ -47,10 +47,13 @@ import type { Session } from "./session";
 
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
-  ...(["meta", "models", "theme", "step", "overlay", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror", "stances"] as const),
-  ...(["picks", "certain", "proposals", "active", "beside", "ruler", "fit", "followed", "showDistances", "drawing", "drawn", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
+  ...(["meta", "models", "theme", "step", "overlay", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror"] as const),
+  ...(["picks", "certain", "proposals", "active", "beside", "ruler", "fit", "followed", "showDistances", "drawing", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
 ];
-type Seen = Pick<Session, (typeof SEEN)[number]>;
+type Seen = Pick<Session, (typeof SEEN)[number] | "drawn" | "stances">;
+
+/** That something is being saved or carried is said beside the view. */
+const seen = (state: Session): object => ({ ...only(...SEEN)(state), ...fieldsOf(state, "drawn", "saving"), ...fieldsOf(state, "stances", "isCarrying") });
 
 export function openViewer(store: Store<Session>, actions: Actions, stages: Stages, prefersStill: () => boolean): void {
   const stage = stages.main;
@@ -157,7 +160,8 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
 
   let theme: Theme | null = null;
   let viewAsked = store.get().view.asked;
-  store.select(only(...SEEN), (state: Seen) => {
+  store.select(seen, () => {
+    const state = store.get();
     if (state.theme !== theme) {
       theme = state.theme; // the page has put it on the document before: the colours can be read
       viewer.repaint();

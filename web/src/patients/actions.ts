@@ -2,6 +2,7 @@
 import { ApiError, type Client } from "../api/client";
 import type { Patient } from "../api/types";
 import type { PageSlice } from "../store/page";
+import type { ScanSlice } from "../scan/state";
 import type { Outbox } from "../store/outbox";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
@@ -12,7 +13,7 @@ const UNDO_MS = 10_000;
 const MOST = 12; // cards, two screens of them, whose points to check are counted: each is a question of its own
 const PAUSE_MS = 250; // while somebody types
 
-type State = PageSlice & PatientsSlice;
+type State = PageSlice & PatientsSlice & Pick<ScanSlice, "scan">;
 
 export function patientActions(store: Store<State>, client: Pick<Client, "patients" | "renamePatient" | "deletePatient" | "checksOf">, outbox: Outbox) {
   const going = new Map<string, ReturnType<typeof setTimeout>>();
@@ -42,6 +43,7 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
   async function count(mine: number): Promise<void> {
     const fits = store.get().patients.rows.flatMap((row) => sureness(row).fit ?? []).slice(0, MOST);
     for (const fit of fits.filter((each) => !(each in store.get().patients.points))) {
+      if (store.get().scan !== null) return;
       const found = await client.checksOf(fit).catch(() => null); // without an answer no number is said
       if (mine !== asked) return;
       if (found) put({ points: { ...store.get().patients.points, [fit]: found.worth_it ? found.checks.length : 0 } });

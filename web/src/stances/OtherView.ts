@@ -12,7 +12,7 @@ import type { LandmarksSlice } from "../landmarks/state";
 import { ScanMesh } from "../scan/ScanMesh";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
-import { only, type Store } from "../store/store";
+import { fieldsOf, only, type Store } from "../store/store";
 import { ScaleBar } from "../viewer/ScaleBar";
 import { SideLetters } from "../viewer/SideLetters";
 import type { ViewSlice } from "../viewer/state";
@@ -25,8 +25,9 @@ import { isComparing, otherState, type StancesSlice, type Workspace } from "./st
 type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice;
 
 /** What of the state the pane shows, or follows; when something else changes it is not drawn again. */
-const SEEN = ["meta", "models", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "showRelief", "active", "followed", "showDistances", "lesion", "stances"] as const;
-type Seen = Pick<State, (typeof SEEN)[number]>;
+const SEEN = ["meta", "models", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "showRelief", "active", "followed", "showDistances", "lesion"] as const;
+type Seen = Pick<State, (typeof SEEN)[number] | "stances">;
+const seen = (state: State): object => ({ ...only(...SEEN)(state), ...fieldsOf(state, "stances", "isCarrying") });
 
 export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, prefersStill: () => boolean, failed: (error: unknown) => void): OtherPane {
   let viewer: Viewer | null = null;
@@ -110,7 +111,9 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
 
   let wasComparing = false;
   let wasLinked = true;
-  store.select(only(...SEEN), (state: Seen, before) => {
+  let before = store.get();
+  store.select(seen, () => {
+    const state = store.get();
     const isSwapped = state.scan !== null && state.scan === before.stances.other?.scan && before.scan === state.stances.other?.scan;
     if (isSwapped && viewer && isComparing(state)) {
       const [mine, its] = [main.pose, viewer.pose];
@@ -119,6 +122,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       isFollowing = false;
       main.keepsPose = viewer.keepsPose = true;
     }
+    before = state;
     update(state);
     const now = isComparing(state);
     const isNew = now && (!wasComparing || (state.stances.isLinked && !wasLinked));

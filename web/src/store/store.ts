@@ -58,7 +58,11 @@ export const only =
   <State extends Record<Key, unknown>>(state: State): Pick<State, Key> =>
     Object.fromEntries(keys.map((key) => [key, state[key]])) as Pick<State, Key>;
 
+/** For a selector: the fields of a part, one by one, but those of which nothing is shown there. */
+export const fieldsOf = <Name extends string, State extends Record<Name, object>>(state: State, name: Name, ...but: readonly (keyof State[Name] & string)[]): Readonly<Record<string, unknown>> =>
+  Object.fromEntries(Object.entries(state[name]).flatMap(([key, value]) => ((but as readonly string[]).includes(key) ? [] : [[`${name}.${key}`, value]])));
+
 /** Value by value, one level deep. */
 function isSame<Parts extends object>(a: Parts, b: Parts): boolean {
-  return (Object.keys(a) as (keyof Parts)[]).every((key) => Object.is(a[key], b[key]));
+  return (Object.keys({ ...a, ...b }) as (keyof Parts)[]).every((key) => Object.is(a[key], b[key]));
 }

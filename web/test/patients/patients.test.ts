@@ -91,3 +91,15 @@ test("how many points are worth checking is asked of the fits that are to be che
   const { points } = store.get().patients;
   expect(rows.map((row) => sureness(row, points).says)).toEqual(["2 points to check on supine", "standing to be looked at"]);
 });
+
+test("once a patient is on the page, no fit of the list is asked about any more", async () => {
+  const fit = (id: string) => patient(id, { scans: [scan(`${id}1`, { fit: { id, state: "done" as const, created_at: "", verdict: "check" as const, line_error_mm: 24 } })] });
+  const checksOf = vi.fn(async (id: string) => {
+    store.set({ scan: { info: { id } } as never });
+    return { worth_it: true, checks: [] } as never;
+  });
+  const { store, actions } = page({ patients: async () => ({ patients: [fit("first"), fit("second")], next: null }), checksOf });
+  await actions.patients.read();
+  await vi.advanceTimersByTimeAsync(100);
+  expect(checksOf.mock.calls).toEqual([["first"]]);
+});

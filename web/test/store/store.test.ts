@@ -1,5 +1,5 @@
 import { expect, test, vi } from "vitest";
-import { createStore, only } from "../../src/store/store";
+import { createStore, fieldsOf, only } from "../../src/store/store";
 import { follow } from "../../src/ui/Panel";
 
 test("a listener is called at once and after each change, with the state before it", () => {
@@ -53,6 +53,18 @@ test("what is computed from the state counts by its values, not by the object th
   expect(listener).toHaveBeenCalledTimes(1); // NaN is the same NaN
   store.set({ picks: [] });
   expect(listener.mock.lastCall?.[0]).toEqual({ isEmpty: true, distance: Number.NaN });
+});
+
+test("of a part all fields count but those of which nothing is shown, and one that is gone", () => {
+  const store = createStore<{ part: { line?: number; saving?: string } }>({ part: { line: 1, saving: "saved" } });
+  const listener = vi.fn();
+  store.select((state) => fieldsOf(state, "part", "saving"), listener);
+  store.set({ part: { line: 1, saving: "waiting" } });
+  expect(listener).toHaveBeenCalledTimes(1);
+  store.set({ part: { line: 2 } });
+  expect(listener).toHaveBeenLastCalledWith({ "part.line": 2 }, { "part.line": 1 });
+  store.set({ part: {} });
+  expect(listener).toHaveBeenCalledTimes(3);
 });
 
 test("a listener that selects must not set either", () => {
