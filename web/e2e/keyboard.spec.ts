@@ -117,7 +117,7 @@ test("from page load to the fitted result without a mouse, and the live region s
     await page.keyboard.press("Enter");
     await untilFitted(page);
     const off = await page.evaluate(() => window.__breastrig!.state().fit!.result!.line_error_mm!);
-    await expect(status).toHaveText(new RegExp(`^The fit is done: mean distance [\\d.]+ millimetres\\. To be checked\\. Lines may be far off; .* 3 landmarks were only agreed to where they were proposed; .* Lines on the breasts: (one|two|three) fingers? wide, ±\u00a0${Math.round(off)}\u00a0mm\\.$`));
+    await expect(status).toHaveText(new RegExp(`^The fit is done: mean distance [\\d.]+ millimetres\\. Ready to draw\\. 3 landmarks were only agreed to where they were proposed; .* Lines on the breasts: one finger wide, ±\u00a0${Math.round(off)}\u00a0mm\\.$`));
     const front = await hook.picture(page);
     await tabTo(page, /^3D view/);
     await page.keyboard.press("Shift+ArrowRight");
