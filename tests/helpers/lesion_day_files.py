@@ -16,7 +16,16 @@ from pathlib import Path
 import numpy as np
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from helpers.label_maps import above_navel, body_labels, dicom_segmentation, front_labels, in_lps, nifti, placed_nifti
+from helpers.label_maps import (
+    SIZES,
+    above_navel,
+    body_labels,
+    dicom_segmentation,
+    front_labels,
+    in_lps,
+    nifti,
+    placed_nifti,
+)
 from helpers.scan_files import ply_text
 
 SEEN = ("suprasternal_notch", "mid_sternum", "xiphoid", "nipple_L", "nipple_R")  # in an MRI's field of view
@@ -35,7 +44,8 @@ def lesion_day_files(folder: Path) -> None:
     mri = gzip.compress(nifti(labels, low=low, sizes=sizes))
     unsaid = np.diag([*sizes, 1.0]), 0
     (folder / "mri.nii.gz").write_bytes(mri)
-    (folder / "balls.nii.gz").write_bytes(gzip.compress(nifti(body_labels())))
+    balls = np.ascontiguousarray(body_labels()[::2, ::2])
+    (folder / "balls.nii.gz").write_bytes(gzip.compress(nifti(balls, sizes=SIZES * [2.0, 2.0, 1.0])))
     (folder / "no_side.nii.gz").write_bytes(gzip.compress(placed_nifti(labels, unsaid, unsaid)))
     (folder / "broken.nii.gz").write_bytes(mri[: len(mri) // 2])
     with zipfile.ZipFile(folder / "seg.zip", "w", zipfile.ZIP_DEFLATED) as packed:
