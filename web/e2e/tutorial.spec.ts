@@ -2,14 +2,16 @@
 import { expect } from "@playwright/test";
 import type { Patient } from "../src/api/types";
 import { test } from "./page";
-import { startService } from "./service";
+import { type Running, startService } from "./service";
 import { followTutorial, SHIPPED, STEPS } from "./tutorialSteps";
 
 test.use({ fitsAtOnce: true });
+let service: Running | undefined;
+test.afterAll(() => service?.stop()); // whatever has failed
 
 test("the surgeon's tutorial, step by step", async ({ page }, info) => {
   test.slow(); // three fits of the scans as they ship
-  const service = await startService(SHIPPED);
+  const { base } = (service = await startService(SHIPPED));
   let isLate = true; // the image's fit is still under way when the page first hears of it, as on a busy machine
   await page.route(/\/api\/patients\/[^/?]+$/, async (route) => {
     const response = await route.fetch();
@@ -20,7 +22,7 @@ test("the surgeon's tutorial, step by step", async ({ page }, info) => {
     await route.fulfill({ response, json });
   });
   const taken: string[] = [];
-  await followTutorial(page, service.base, async (step) => {
+  await followTutorial(page, base, async (step) => {
     taken.push(step);
     if (step === "body") await expect.poll(() => page.evaluate(() => window.__breastrig!.state().stances.scans.map(({ fit }) => fit?.state))).toEqual(["done", "done", "done"]);
     if (step === "lines") {
@@ -39,5 +41,4 @@ test("the surgeon's tutorial, step by step", async ({ page }, info) => {
     await page.screenshot({ path: info.outputPath(`${step}.png`) });
   });
   expect(taken).toEqual(STEPS);
-  await service.stop();
 });
