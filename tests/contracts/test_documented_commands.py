@@ -113,7 +113,7 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig model learn arm/forearm.glb arm/bodies",
         "breastrig model learn MODEL BODIES",
         "python -m breastrig_studies.cohort_prior CLINIC OUT alike=FOLDER others=FOLDER",
-        "python -m breastrig_studies.virtual.magnetic.image_skin images.csv 1.5 60",
+        "python -m breastrig_studies.virtual.magnetic.image_skin images.csv 1.5 60 61 62 63",
     ],
     "tests/cli/test_lesions_of_files.py": [
         "breastrig fit mri/ --lesions lesion.dcm --landmarks nipples.json -o prone/",

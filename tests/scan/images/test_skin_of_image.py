@@ -177,6 +177,12 @@ def test_one_side_says_where_the_image_ends():
     assert found(mr_image("one side")).notes == (skin_of_image.EDGE.format("right"),)
 
 
+def test_where_fat_is_suppressed_no_nipple_is_proposed_and_it_is_said():
+    skin = found(mr_image("fat suppressed"))
+    assert skin.nipples == ()
+    assert skin_of_image.NO_NIPPLES in skin.notes
+
+
 def test_one_side_shows_one_nipple():
     assert [each.side for each in found(mr_image("one side")).nipples] == ["L"]
 
