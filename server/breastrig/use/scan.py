@@ -139,12 +139,12 @@ def read_scan(
     A picture over a limit is left out, and `notes` say so.
     The scan's `vertices` (V, 3) are in the file's unit and frame; those of a label map in mm, LPS.
 
-    frame      of a volume (NIfTI, NRRD, MetaImage) that does not say where it lies, or says it twice: sform,
-               qform, or three letters that say where the voxels' axes grow to, such as RAS
-    segments   of a label map: number -> "lesion", "tissue" or "unused"; for others the file's codes and their form
-               decide, and `Scan.segments` says what became of each
-    series     of several in the DICOM files of an MRI: the `value` of a choice of NeedsAnswer
-    same_place whether segmentations beside an image lie where it does, though they do not say so
+    `frame` is that of a volume (NIfTI, NRRD, MetaImage) that does not say where it lies, or says it twice: sform,
+    qform, or three letters that say where the voxels' axes grow to, such as RAS.
+    `segments` of a label map: number -> "lesion", "tissue" or "unused"; for others the file's codes and their form
+    decide, and `Scan.segments` says what became of each.
+    `series` is one of several in the DICOM files of an MRI: the `value` of a choice of NeedsAnswer.
+    `same_place` says whether segmentations beside an image lie where it does, though they do not say so.
 
     Raises BadScan, TooLarge or BadSettings (no such unit, answers that do not fit the file), each with one sentence;
     of BadScan NeedsAnswer, whose `question` has the choices for `frame` or `series`.
