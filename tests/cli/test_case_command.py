@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers.cases import data_folder, new_case, new_scan
 
@@ -90,3 +91,18 @@ def test_what_is_wrong_is_one_sentence(
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+def test_landmarks_of_a_scan_that_has_a_length_are_said_to_be_in_its_size(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case, picks = breastrig.Case.create(tmp_path / "hers"), json.loads((STANDING / "landmarks.json").read_text())
+    scan = case.add_scan(STANDING / "scan.ply")
+    words = ["case", "landmarks", str(case.path), str(STANDING / "landmarks.json")]
+    assert main(words) == 0
+    assert capsys.readouterr().err == ""
+    start, end = (np.array(picks["landmarks"][name]) for name in ("nipple_L", "xiphoid"))
+    per_mm = {"m": 1e3, "mm": 1.0}[picks["unit"]]
+    case.put_length(scan, "nipple_L", "xiphoid", 1.03 * per_mm * float(np.linalg.norm(start - end)))
+    assert main(words) == 0
+    assert "true size of this scan, 1.030 times that of its own file" in capsys.readouterr().err

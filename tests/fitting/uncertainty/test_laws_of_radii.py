@@ -26,6 +26,7 @@ from breastrig.fitting.uncertainty.radii import (
     radii,
     scatter_of,
     seen_vertices,
+    shows_part,
 )
 from breastrig.rig.model import Rig
 from breastrig_studies.studies.trust.laplace import rises
@@ -297,3 +298,9 @@ def test_the_rig_without_numbers_has_no_radii(forearm: Posterior) -> None:
     rig: Rig = forearm.task.rig
     assert not rig.known
     assert radii(forearm) is None
+
+
+@pytest.mark.parametrize(("seen", "part"), [(0.57, True), (0.74, False)])
+def test_a_scan_of_a_part_of_the_body_is_known_by_how_much_of_the_model_it_shows(seen: float, part: bool) -> None:
+    """The largest share of a part, and the smallest of a whole body, that were met."""
+    assert shows_part(np.arange(100) < 100 * seen) is part

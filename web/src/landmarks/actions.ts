@@ -377,8 +377,10 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
         if (store.get().scan?.info.id !== scan.info.id) return;
         const picks = picksOf(read);
         const certain = { ...store.get().certain, ...certainAt(picks, read.certain ?? []) };
-        const announcement = importedSaid(picks);
-        store.set((state) => withProblem(state, "landmarks", null));
+        const { scale } = scan.info;
+        const sizeSaid = scale ? text.landmarks.inTrueSize(scale.factor) : null;
+        const announcement = [importedSaid(picks), ...(sizeSaid ? [sizeSaid] : [])].join(" ");
+        store.set((state) => withProblem(state, "landmarks", sizeSaid));
         const all = { ...store.get().picks.present, ...picks };
         change(all, { ...straightened(store.get(), all), certain, active: null, announcement });
       } catch (error) {

@@ -54,6 +54,8 @@ export const landmarks = {
       ...(overruled.length === 0 ? [] : [`Changed in another tab or by somebody else as well: ${overruled.join("; ")}. What was done here last counts.`]),
     ].join(" "),
   announceImported: (landmarks: number, marks: number) => `${plural(landmarks, "landmark", "landmarks")}${marks > 0 ? ` and ${plural(marks, "mark", "marks")}` : ""} read.`,
+  inTrueSize: (factor: number) =>
+    `The file's places were taken in the true size of this scan, ${factor.toFixed(3)} times that of its own file. If they were picked on that file, take the length out, read them again, then give the length.`,
 };
 
 /** What a step of the history has changed. */

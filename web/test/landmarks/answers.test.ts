@@ -131,3 +131,16 @@ test("what is certain comes with the scan and with a file, and waits for signing
   expect(certain()).toEqual(["suprasternal_notch"]);
   await settle();
 });
+
+test("of a file that is read for a scan of another size it is said in which size its places were taken", async () => {
+  const { store, actions } = await withScan();
+  const read = async (): Promise<void> => actions.landmarks.importFile(new File([JSON.stringify({ unit: "mm", landmarks: { nipple_L: [95, 0, 60] } })], "l.json"));
+  await read();
+  expect(store.get().problems.landmarks).toBeUndefined();
+  const { scan } = store.get();
+  store.set({ scan: { ...scan!, info: { ...scan!.info, scale: { factor: 1.03, between: ["nipple_L", "xiphoid"], mm: 210, measured_mm: 203.9, ends: [[0, 0, 0], [0, 210, 0]] } } } });
+  await read();
+  expect(store.get().problems.landmarks).toContain("1.030 times that of its own file");
+  expect(store.get().announcement).toContain(store.get().problems.landmarks);
+  await settle();
+});

@@ -19,6 +19,10 @@ from breastrig.scan.volumes.answers import segments_of_words
 from breastrig.use.cases.case import Case, CaseScan
 
 PLAN_BYTES = 50_000_000
+IN_TRUE_SIZE = (
+    "breastrig: The places were taken in the true size of this scan, {:.3f} times that of its own file. If they were "
+    "picked on that file: case length --remove, case landmarks, then case length --put."
+)
 
 
 def create(options: argparse.Namespace) -> int:
@@ -71,6 +75,8 @@ def landmarks(options: argparse.Namespace) -> int:
     case = Case(options.case)
     scan = _chosen(case, options.scan)
     case.put_landmarks(scan.id, options.landmarks)
+    if scan.scale != 1.0:
+        print(IN_TRUE_SIZE.format(scan.scale), file=sys.stderr)
     marks = len(case.marks(scan.id))
     print(f"{len(case.landmarks(scan.id))} landmarks{f', {marks} marks' if marks else ''}")
     return 0
