@@ -75,6 +75,9 @@ def test_two_places_and_a_number_are_enough(client: FlaskClient, scan_id: str) -
         ({"to": [0.0, 0.0, 9000.0]}, "An end of the length lies outside of the scan"),
         ({"to": "nipple_L"}, "both are nipple_L"),
         ({"length_mm": 0.0}, "length_mm"),
+        ({"length_mm": True}, "length_mm"),
+        ({"length_mm": "103"}, "length_mm"),
+        ({"to": [0.0, 0.0, True]}, "to"),
         ({"to": [0.0, 0.0]}, "to"),
     ],
 )

@@ -4,12 +4,13 @@ import errno
 import os
 import subprocess
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 from helpers.cases import new_case, new_fit, new_scan, note, say
 
-from breastrig.cases import layout
+from breastrig.cases import fits, layout
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.fits import claimed
 from breastrig.cases.layout import new_id
@@ -196,6 +197,18 @@ def test_a_scan_whose_fit_runs_stays(cases: Path) -> None:
     with claimed(source, scan, new_fit(source, scan)), pytest.raises(Conflict, match="A fit of this scan is running"):
         move_scan(source, scan, target)
     move_scan(source, scan, target)
+
+
+def test_a_scan_whose_fit_has_just_ended_moves_when_its_worker_leaves_it(cases: Path, monkeypatch) -> None:
+    source, target = new_case(cases), new_case(cases)
+    scan = new_scan(source)
+    with ExitStack() as worker:
+        claim = worker.enter_context(claimed(source, scan, new_fit(source, scan)))
+        assert claim is not None
+        claim.end({"kind": "done", "result": {}})
+        monkeypatch.setattr(fits.time, "sleep", lambda _: worker.close())
+        move_scan(source, scan, target)
+    assert target.scan_ids() == {scan}
 
 
 def test_the_same_file_is_not_moved_beside_itself(cases: Path) -> None:

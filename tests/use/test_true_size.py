@@ -169,6 +169,7 @@ def test_the_size_is_no_doubt_any_more(tmp_path: Path) -> None:
         ("a b 187", "A length is two names and millimetres"),
         (("a", 2.0, 187.0), "A length is two names and millimetres"),
         (("a", "b", "long"), 'must be a number of millimetres above 0, not "long"'),
+        (("a", "b", True), 'must be a number of millimetres above 0, not "True"'),
         (("a", "b", -187.0), "must be a number of millimetres above 0"),
         (("a", "b", float("nan")), "must be a number of millimetres above 0"),
         (("a", "b", "1e9"), "must be a number of millimetres above 0"),

@@ -6,6 +6,7 @@
 
 import json
 import os
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -18,13 +19,14 @@ from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.documents import FitDocument, content_of
 from breastrig.cases.layout import fit_part, new_id, scan_part
-from breastrig.cases.writing import put, sync_folder
+from breastrig.cases.writing import LOOK_S, put, sync_folder
 from breastrig.core.errors import Conflict, FitFailed, NotFound
 from breastrig.scan.true_size import kept_factor
 
 STATES = ("queued", "running", "done", "failed", "cancelled")
 ENDED = frozenset(STATES[2:])
 ATTEMPTS = 3  # one that takes its machine down with it must not do so for ever
+LEAVES_S = 5.0  # from the end of a fit until its worker has tidied up
 TAIL = 2**16  # bytes of the log's end that are read first; an iteration takes 2.5 kB, a result some ten
 NO_FIT = "There is no such fit; it may have been deleted."
 OTHER_SIZE = "The scan got another size after this fit was asked for; fit it again."
@@ -308,11 +310,17 @@ def cancel_fit(case: CaseFolder, scan_id: str, fit_id: str) -> FitEntry:
 
 
 def is_at_work(case: CaseFolder, scan_id: str) -> bool:
-    """Whether somebody works at a fit of the scan."""
+    """Whether somebody works at a fit of the scan; who has stored its end has a moment to leave it."""
+    deadline = time.monotonic() + LEAVES_S
     for fit_id in fit_ids(case, scan_id):
-        with _held(case, scan_id, fit_id) as held:
-            if not held:
+        while True:
+            with _held(case, scan_id, fit_id) as held:
+                if held:
+                    break
+            last = last_event(case.path / fit_part(scan_id, fit_id))
+            if last is None or last["kind"] not in ENDED or time.monotonic() > deadline:
                 return True
+            time.sleep(LOOK_S)
     return False
 
 

@@ -53,7 +53,7 @@ def length_of(given: Sequence[object] | None) -> Length | None:
     if isinstance(given, str) or len(given) != 3:
         raise BadLandmarks(EXPECTED)
     start, end, said = given
-    if not isinstance(start, str) or not isinstance(end, str) or isinstance(said, bool):
+    if not isinstance(start, str) or not isinstance(end, str):
         raise BadLandmarks(EXPECTED)
     return Length(start, end, checked_mm(said, f" from {start[:100]} to {end[:100]}"))
 
@@ -61,7 +61,8 @@ def length_of(given: Sequence[object] | None) -> Length | None:
 def checked_mm(said: object, between: str = "") -> float:
     """The millimetres of a length, or of a text. Raises BadLandmarks."""
     try:
-        mm = float(said) if isinstance(said, str | float | int | np.number) else math.nan
+        is_one = isinstance(said, str | float | int | np.number) and not isinstance(said, bool)
+        mm = float(said) if is_one else math.nan  # type: ignore[arg-type]
     except ValueError:
         mm = math.nan
     if not 0.0 < mm <= LONGEST:

@@ -76,8 +76,8 @@ export function nextStep(state: NextShown): NextStep {
     const landmark = state.active ?? nextMissing(list, state.picks.present, state.skipped);
     if (landmark !== null) return { kind: "place", landmark, isArmed: state.active !== null };
   }
-  const mayAsk = state.fit?.state === "done" && outdated(state) !== "settings" && state.step !== "handover";
-  if (mayAsk && outdated(state) === null && !areChecksKnown(state)) return { kind: "none" }; // a moment: the button does not change under a finger
+  const mayAsk = state.fit?.state === "done" && outdated(state) === null && state.step !== "handover";
+  if (mayAsk && !areChecksKnown(state)) return { kind: "none" }; // a moment: the button does not change under a finger
   const count = mayAsk ? stepsOf(state).length : 0;
   if (count > 0) return { kind: "check", count, on: null };
   if (state.fit?.state === "done" && outdated(state) === null) return afterFit(state);

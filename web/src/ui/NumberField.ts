@@ -45,8 +45,10 @@ interface Wishes extends Range {
 
 export interface NumberField {
   readonly element: HTMLElement;
-  /** What is there now, unless somebody is writing; `placeholder` stands where it is empty, `note` below it. */
+  /** What is there now, unless somebody is writing, or has written what is refused; `placeholder` stands where it is empty, `note` below it. */
   set(value: number | null, placeholder?: string, note?: string): void;
+  /** What is refused is of no interest any more. */
+  drop(): void;
 }
 
 export function numberField(wishes: Wishes): NumberField {
@@ -81,17 +83,18 @@ export function numberField(wishes: Wishes): NumberField {
   return {
     element: el("label", { class: "field", title: wishes.hint }, el("span", {}, wishes.label, unit), input, wishes.says ? null : below),
     set(value, placeholder = "", said = ""): void {
-      const isNew = value !== now;
       now = value;
       if (input.placeholder !== placeholder) input.placeholder = placeholder;
-      if (document.activeElement !== input && (isNew || input.validity.valid)) {
-        write();
-        note = said;
-        say("");
-      } else if (input.validity.valid && note !== said) {
-        note = said;
-        say("");
-      }
+      if (!input.validity.valid) return;
+      if (document.activeElement !== input) write();
+      if (note === said) return;
+      note = said;
+      say("");
+    },
+    drop(): void {
+      if (input.validity.valid) return;
+      write();
+      say("");
     },
   };
 }

@@ -79,6 +79,8 @@ test("as soon as other settings are asked for than the fit was made with, the ne
   const asks = { ...finished().fit!, result: { stance: "standing", landmarks_unusual: [{ names: ["notch"], reason: "notch is unusual." }] } } as unknown as Session["fit"];
   expect(nextStep(finished({ fit: asks })).kind).toBe("check");
   expect(nextStep(finished({ fit: asks, preset: "paper" })).kind, "also while picks are asked about").toBe("fit");
+  const file = { ...some, nipple_L: [9, 0, 0] as [number, number, number] };
+  expect(nextStep(finished({ fit: asks, picks: startHistory(file) })), "and where a file has brought other landmarks").toEqual({ kind: "fit", again: true, landmarks: 3 });
   expect(nextStep(finished({ stance: "standing" })).kind, "which is what the fit decided by itself").toBe("plan");
 });
 

@@ -1,5 +1,5 @@
-import { expect, test } from "vitest";
-import { readNumber, writtenNumber } from "../../src/ui/NumberField";
+import { expect, test, vi } from "vitest";
+import { numberField, readNumber, writtenNumber } from "../../src/ui/NumberField";
 
 const mm = { label: "From the nipple", unit: "mm", min: 0, max: 200 };
 const hour = { label: "Hour", unit: "h", min: 0.5, max: 12.5 };
@@ -40,4 +40,41 @@ test("a number is written as it is read again", () => {
   expect([10.5, 12, 12.33, 0.5].map((value) => writtenNumber(value, "h"))).toEqual(["10:30", "12", "12:20", "0:30"]);
   expect([41.999999, 0, -3.5, 1 / 3].map((value) => writtenNumber(value, "mm"))).toEqual(["42", "0", "-3.5", "0.33"]);
   for (const value of [10.5, 12.33, 0.5]) expect(readNumber(writtenNumber(value, "h"), hour)).toBe(value);
+});
+
+/** As much of an element as a field needs. */
+class Fake {
+  value = "";
+  textContent = "";
+  hidden = false;
+  readonly dataset = {};
+  readonly validity = { valid: true };
+  readonly children: Fake[] = [];
+  private readonly listeners: Record<string, () => void> = {};
+  append = (...children: Fake[]): void => void this.children.push(...children);
+  addEventListener = (name: string, listener: () => void): void => void (this.listeners[name] = listener);
+  setAttribute(name: string): void {
+    if (name === "hidden") this.hidden = true;
+  }
+  setCustomValidity = (says: string): void => void (this.validity.valid = says === "");
+  writes(text: string): void {
+    this.value = text;
+    this.listeners.change!();
+  }
+}
+
+test("what is refused stays with its sentence when answers to earlier numbers come, until it is dropped", () => {
+  vi.stubGlobal("document", { createElement: () => new Fake(), activeElement: null });
+  const accepted: (number | null)[] = [];
+  const field = numberField({ ...mm, name: "x", hint: "", mayBeEmpty: true, changed: (value) => accepted.push(value) });
+  const [, input, below] = (field.element as unknown as Fake).children as [Fake, Fake, Fake];
+  input.writes("45");
+  input.writes("450");
+  field.set(45);
+  expect([input.value, below.textContent, below.hidden, accepted]).toEqual(["450", "From the nipple must lie between 0 and 200 mm.", false, [45]]);
+  field.drop();
+  expect([input.value, below.hidden]).toEqual(["45", true]);
+  field.set(44);
+  expect(input.value).toBe("44");
+  vi.unstubAllGlobals();
 });

@@ -21,9 +21,10 @@ Units = Literal["auto", "m", "dm", "cm", "mm", "in", "ft"]
 StanceWish = Literal["auto", "standing", "supine", "prone"]
 StanceName = OneStance
 FitState = Literal["queued", "running", "done", "failed", "cancelled"]
-Point = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
+Finite = Annotated[FiniteFloat, Field(strict=True)]  # neither true nor "1"
+Point = Annotated[list[Finite], Field(min_length=3, max_length=3)]
 Three = Annotated[list[float], Field(min_length=3, max_length=3)]
-Number = Annotated[FiniteFloat, Field(ge=-1e9, le=1e9)]
+Number = Annotated[Finite, Field(ge=-1e9, le=1e9)]
 Name = Annotated[str, Field(min_length=1, max_length=100)]
 
 LONGEST_DRAWING = 1_000_000  # characters: a plan of 500 items with 20 parameters each has 0.9 million
@@ -47,7 +48,7 @@ CONFIDENCE = (
     "error.  1 says that a person has looked closely; of a landmark that stands exactly where it was proposed, and of "
     "which nothing is said, the proposal's own is taken"
 )
-Confidence = Annotated[FiniteFloat, Field(ge=0, le=1)]
+Confidence = Annotated[Finite, Field(ge=0, le=1)]
 
 
 class Wire(BaseModel):
@@ -214,7 +215,7 @@ class GivenLength(Wire):
         description="a landmark or mark of the scan, or a place in mm, in the scan's frame and present size",
     )
     end: Name | Point = Field(alias="to", description="as `from`")
-    length_mm: FiniteFloat = Field(gt=0.0, le=LONGEST)
+    length_mm: Finite = Field(gt=0.0, le=LONGEST)
 
 
 class Scan(Wire):

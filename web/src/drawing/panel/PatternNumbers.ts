@@ -33,6 +33,7 @@ export function createPatternNumbers(part: LivePart, drawing: Pick<DrawingAction
   let choices = new Map<string, HTMLSelectElement>();
   let begun: Values | null = null; // a tumour of which not all is said: it is in no plan
   let begunOn: unknown = null; // the scan
+  let shownOn: unknown = null; // likewise
   const table = el("div", { class: "numbers" });
   const needed = el("p", { class: "muted small", role: "status", hidden: true });
   const forced = el("p", { class: "muted small why-dashed", hidden: true });
@@ -114,7 +115,10 @@ export function createPatternNumbers(part: LivePart, drawing: Pick<DrawingAction
     const columns = columnsOf(values, info.parameters);
     const isOpen = table.querySelector("details")?.open ?? false;
     const focused = table.contains(document.activeElement) ? document.activeElement!.getAttribute("data-parameter") : null;
-    fill(table, [info.name, columns], () => made(info, columns));
+    const on = session.scan?.info.id;
+    if (shownOn !== on) depth.drop();
+    shownOn = on;
+    fill(table, [info.name, columns, on], () => made(info, columns));
     const more = table.querySelector("details");
     if (more && isOpen) more.open = true;
     if (focused && !table.contains(document.activeElement)) table.querySelector<HTMLElement>(`[data-parameter="${focused}"]`)?.focus(); // a side was chosen
@@ -126,6 +130,7 @@ export function createPatternNumbers(part: LivePart, drawing: Pick<DrawingAction
     }
     for (const { parameter, side, field } of cells) {
       const { value, drawn, isForced } = drawnNumber(parameter, values, part, side, handles);
+      if (live?.held) field.drop(); // a hand says another number
       field.set(value, parameter.needed ? "" : drawn === null ? words.auto : writtenNumber(drawn, parameter.unit));
       field.element.classList.toggle("is-forced", isForced);
     }

@@ -57,6 +57,7 @@ export function createSizeRow(actions: SizeActions): Panel<Shown> {
       const known = scale ? text.scaled(scale.factor, start!, end!, scale.mm) : text.ask;
       setText(said, active === rulerKey("from") ? text.clickFrom : active === rulerKey("to") ? text.clickTo : found !== null ? text.inScan(found) : known);
       if (of !== `${scan?.info.id} ${scale?.factor}`) mm = null;
+      if (!of.startsWith(`${scan?.info.id} `)) field.drop();
       of = `${scan?.info.id} ${scale?.factor}`;
       field.set(mm === null ? null : mm / 10);
       apply.disabled = found === null;
