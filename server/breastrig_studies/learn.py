@@ -40,7 +40,7 @@ BODIES = "bodies.json"
 FEWEST = 6  # bodies
 FREEDOM_GIVEN, FREEDOM_ELSEWHERE = 4.0, 16.0  # of the picks' scatter, as the torso's
 EXPECTED = 0.75  # quantile of scatters: most picks that are added then make places surer
-CHECK, NO_TORSO = 1.5, 4.0  # times the way from the median to the worst right fit; the torso's limits are near these
+BEYOND, PART = 4.0, 1.5  # times the way from the median to the worst right fit; the torso's limits are near these
 RIGHT = 0.04  # of the rig's length: a fit whose landmarks are farther off on the mean is wrong, 20 mm of a torso
 
 
@@ -168,14 +168,10 @@ def _verdict(found: LearnedFits, stances: set[str]) -> dict[str, Any]:
         values = values[np.isfinite(values)]
         if len(values):
             middle, worst = float(np.median(values)), float(values.max() if limit.above else values.min())
-            check, no_torso = (middle + times * (worst - middle) for times in (CHECK, NO_TORSO))
-            if check == no_torso:
-                continue  # all fits are alike: it says nothing
-            last = 0.0 if limit.scan_alone else max(no_torso, 0.0)  # a part of one is one
-            least = {"check": max(check, 0.0), "no_torso": last}
-            rounded = {key: float(f"{value:.3g}") for key, value in least.items()}
-            if rounded["check"] != rounded["no_torso"]:
-                signals[name] = limit.model_copy(update=rounded)
+            beyond = middle + (PART if limit.scan_alone else BEYOND) * (worst - middle)
+            rounded = float(f"{max(beyond, 0.0):.3g}")
+            if worst != middle and rounded > 0.0:  # where all fits are alike it says nothing
+                signals[name] = limit.model_copy(update={"limit": rounded})
     limits: VerdictLimits = torso.model_copy(
         update={"stances": tuple(sorted(stances)), "size": None, "signals": signals, "of_stance": {}}
     )

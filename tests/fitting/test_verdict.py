@@ -43,19 +43,21 @@ NAVEL = PickIssue(
 
 
 def beyond_no_torso(*names: str) -> FitSignals:
-    """A right fit but for these signals, which are a little beyond their second limit."""
-    values = {}
-    for name in names:
-        limit = LIMITS.signals[name]
-        values[name] = limit.no_torso + 0.05 * (limit.no_torso - limit.check)
-    return replace(RIGHT, **values)
+    """A right fit but for these signals, which are a little beyond their limit."""
+    return with_signals(dict.fromkeys(names, 1.05))
+
+
+def with_signals(times: dict[str, float]) -> FitSignals:
+    """A right fit but for these signals, so many times beyond their limits."""
+    limits = {name: LIMITS.signals[name] for name in times}
+    return replace(
+        RIGHT, **{n: each.limit * (times[n] if each.above else 1.0 / times[n]) for n, each in limits.items()}
+    )
 
 
 def test_the_limits_stand_on_the_side_that_they_say() -> None:
     for name, limit in LIMITS.signals.items():
-        assert (limit.no_torso > limit.check) == limit.above, name
-        value = asdict(RIGHT)[name]
-        assert (value < limit.check) == limit.above, name
+        assert (asdict(RIGHT)[name] < limit.limit) == limit.above, name
 
 
 def test_a_right_fit_is_good_and_has_no_reasons() -> None:
@@ -75,13 +77,14 @@ def test_one_signal_alone_is_to_be_checked_and_named(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_where_landmarks_place_the_fit_a_signal_that_no_right_fit_has_is_a_note(name: str) -> None:
-    limit = LIMITS.signals[name]
-    between = replace(RIGHT, **{name: 0.1 * limit.check + 0.9 * limit.no_torso})
-    assert verdict(between, Status.CONVERGED, LIMITS, ALL) == Verdict("good", ())
     found = verdict(beyond_no_torso(name), Status.CONVERGED, LIMITS, ALL)
-    assert (found.level, len(found.reasons)) == ("good", 0 if limit.scan_alone else 1)
-    if not limit.scan_alone:
-        assert verdict(between, Status.CONVERGED, LIMITS, replace(ALL, repeated=True)).level == "check"
+    assert (found.level, len(found.reasons)) == ("good", 0 if LIMITS.signals[name].scan_alone else 1)
+    assert verdict(beyond_no_torso(name), Status.CONVERGED, LIMITS, replace(ALL, repeated=True)).level == "check"
+
+
+@pytest.mark.parametrize("given", [NONE, ALL])
+def test_what_right_fits_have_is_no_reason_whoever_has_placed_them(given: GivenLandmarks) -> None:
+    assert verdict(with_signals(dict.fromkeys(NAMES, 0.95)), Status.CONVERGED, LIMITS, given) == Verdict("good", ())
 
 
 def test_more_and_more_signals_make_it_unusable_and_then_no_torso() -> None:
@@ -91,8 +94,9 @@ def test_more_and_more_signals_make_it_unusable_and_then_no_torso() -> None:
     for count, found in enumerate(levels):
         distances = [LIMITS.signals[name].distance or name for name in NAMES[:count]]
         assert len(found.reasons) == len(set(distances))
-        assert (found.level == "unusable") == (count >= LIMITS.unusable_at)
-        assert found.is_torso == (count < LIMITS.refused_at)
+        of_torsos = sum(not LIMITS.signals[name].scan_alone for name in NAMES[:count])
+        assert (found.level == "unusable") == (of_torsos >= LIMITS.unusable_at)
+        assert found.is_torso == (of_torsos < LIMITS.refused_at)
 
 
 def test_named_landmarks_are_not_refused_as_no_torso() -> None:
@@ -242,17 +246,11 @@ def test_a_fit_is_as_good_as_the_lines_that_it_places() -> None:
     assert judged(0.3, ALL).reasons == ("Where lines on the breasts lie is not known.",)
 
 
-STRENGTHS = (0.5, 1.5)  # between both limits, beyond the second
+STRENGTHS = (0.9, 1.5)  # times its limit
 
 
 def all_verdicts() -> Iterator[tuple[str, GivenLandmarks, Verdict]]:
     """Every combination of what decides, with signals alone and together."""
-    limits = LIMITS
-
-    def with_signals(strengths: dict[str, float]) -> FitSignals:
-        span = {n: limits.signals[n].no_torso - limits.signals[n].check for n in strengths}
-        return replace(RIGHT, **{n: limits.signals[n].check + each * span[n] for n, each in strengths.items() if each})
-
     each = [{name: strength} for name, strength in product(NAMES, STRENGTHS)]
     together = [dict.fromkeys(NAMES[:count], s) for count in range(2, len(NAMES) + 1) for s in STRENGTHS]
     signals = [RIGHT, *(with_signals(one) for one in (*each, *together))]
@@ -264,7 +262,7 @@ def all_verdicts() -> Iterator[tuple[str, GivenLandmarks, Verdict]]:
     ] + [replace(ALL, followed=0)]  # exchanged, so that none was followed
     doubts: tuple[tuple[PickIssue, ...], ...] = ((), (NAVEL,), (PAIR,), (PAIR, NAVEL))
     for shown, status, known, given, asked, error in product(
-        signals, (Status.CONVERGED, Status.STALLED), (limits, None), landmarks, doubts, (None, 0.005, 0.02, 0.1)
+        signals, (Status.CONVERGED, Status.STALLED), (LIMITS, None), landmarks, doubts, (None, 0.005, 0.02, 0.1)
     ):
         if given.picked or not asked:  # doubts are of picks
             found = verdict(shown, status, known, given, of_doubts(asked), error)

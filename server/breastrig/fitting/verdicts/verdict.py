@@ -1,10 +1,9 @@
 """Is this a torso, and does the model lie on it rightly?  A level and its reasons, from a fit's signals.
 
-Each signal has two limits, kept as data with their reasons beside the rig: beyond the first a fit that the scan alone
-has placed is to be looked at, beyond the second no right fit of a torso was ever found.  Each signal has its errors, so
-one alone never refuses a scan: what several of them say together is certain, what one says makes the fit unusable at
-most.  Of a rig without limits a fit is uncalibrated: neither good nor bad, unless something speaks against it without
-them.
+Each signal has a limit, kept as data with its reason beside the rig, beyond which no right fit of a torso was found;
+what is less the line error says (docs/decisions/0035).  Each signal has its errors, so one alone never refuses a scan:
+what several of them say together is certain, what one says makes the fit unusable at most.  Of a rig without limits a
+fit is uncalibrated: neither good nor bad, unless something speaks against it without them.
 
 Whether the body has the size of an adult woman, which scans of photogrammetry do not have by themselves: lengths on the
 trunk say how much larger it is than most, by generalised least squares over their logarithms, whose covariance is that
@@ -105,24 +104,16 @@ PER_UNIT = {"percent": 100.0, "mm": 1e3, "degrees": 180.0 / np.pi}
 SHOWN = 2  # reasons in the sentence of a refusal: the strongest
 
 
-class SignalLimits(SettingsPart):
-    """Limits of one signal; `above` states on which side of them it counts against the fit."""
+class SignalLimit(SettingsPart):
+    """The limit of one signal; `above` states on which side of it it counts against the fit."""
 
     above: bool
-    check: float
-    no_torso: float
+    limit: float
     unit: Literal["percent", "mm", "degrees"]  # of the sentence; the value is a share, m or rad
     fact: str  # a sentence without its end; {value} is the signal
     advice: Literal["compare", "scan", "landmarks"]  # what to do about it
     distance: str = ""  # what it is a distance of; of signals of one distance only the strongest is a reason
-    scan_alone: bool = False  # says nothing where landmarks placed the fit
-
-
-class StanceLimits(SettingsPart):
-    """Limits of one signal in one stance."""
-
-    check: float
-    no_torso: float
+    scan_alone: bool = False  # of a part of a torso: says nothing where landmarks placed the fit
 
 
 class LineLimits(SettingsPart):
@@ -141,13 +132,13 @@ class VerdictLimits(SettingsPart):
     size: SizeLimits | None = None  # absent: nobody knows how large bodies are
     unusable_at: Annotated[int, Field(ge=1)]
     refused_at: Annotated[int, Field(ge=2)]
-    signals: dict[str, SignalLimits]
-    of_stance: dict[str, dict[str, StanceLimits]] = Field(default={})  # by stance and signal, where they differ
+    signals: dict[str, SignalLimit]
+    of_stance: dict[str, dict[str, float]] = Field(default={})  # by stance and signal, where they differ
 
     def in_stance(self, stance: str) -> "VerdictLimits":
         """The limits in this stance."""
         others = self.of_stance.get(stance, {})
-        changed = {name: self.signals[name].model_copy(update=limit.model_dump()) for name, limit in others.items()}
+        changed = {name: self.signals[name].model_copy(update={"limit": limit}) for name, limit in others.items()}
         return self.model_copy(update={"signals": self.signals | changed})
 
 
@@ -191,8 +182,7 @@ def verdict(
     elsewhere is said to be far from there.
 
     Whoever places landmarks has seen a torso: what would refuse a fit makes it unusable, or is to be checked where
-    enough landmarks vouch for it; less is a note, for it tells wrong lines no better than `line_error` does, and
-    nothing short of its second limit is said.
+    enough landmarks vouch for it; less is a note, for it tells wrong lines no better than `line_error` does.
     """
     placed, agreed = given.on_their_own, of_agreed(given)
     converged = status is Status.CONVERGED
@@ -205,10 +195,10 @@ def verdict(
         level: Level = "check" if stopped or asked else "uncalibrated"
         return Verdict(level, sentences((*stopped, *asked, UNKNOWN_MODEL, *agreed)))
     limits = limits.in_stance(stance)
-    everywhere = _strengths(signals, limits, given)
-    strengths = everywhere if near is None else _strengths(near, limits, given)
-    impossible, in_all = (sum(strength >= 1.0 for strength in each.values()) for each in (strengths, everywhere))
-    far_off = {name: strength for name, strength in everywhere.items() if strengths.get(name, 0.0) <= 0.0}
+    everywhere = _against(signals, limits, given)
+    strengths = everywhere if near is None else _against(near, limits, given)
+    impossible, in_all = (sum(not limits.signals[name].scan_alone for name in each) for each in (strengths, everywhere))
+    far_off = {name: strength for name, strength in everywhere.items() if name not in strengths}
     elsewhere = [replace(each, fact=FAR + each.fact) for each in _reasons(signals, far_off, limits, given)[:1]]
     found = (*_reasons(near or signals, strengths, limits, given), *elsewhere)
     unknown = line_error is not None and line_error > limits.lines.unknown
@@ -243,24 +233,23 @@ def unusual_size(
     return (Reason(SIZE.format(100.0 * abs(size), *words), (measure,), note=abs(found[1]) < limits.size.unlikely),)
 
 
-def _strengths(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks) -> dict[str, float]:
-    """The strengths of the signals that apply to this fit, by name."""
+def _against(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks) -> dict[str, float]:
+    """The signals that speak against this fit, and how many times beyond their limits they are."""
     values = vars(signals)
     found = {
-        name: _strength(values[name], limit)
+        name: _times_beyond(values[name], limit)
         for name, limit in limits.signals.items()
         if np.isfinite(values[name]) and not (given.on_their_own and limit.scan_alone)
     }
-    return {name: strength if strength >= 1.0 or not given.on_their_own else 0.0 for name, strength in found.items()}
+    return {name: times for name, times in found.items() if times > 1.0}
 
 
 def _reasons(
-    signals: FitSignals, strengths: dict[str, float], limits: VerdictLimits, given: GivenLandmarks
+    signals: FitSignals, against: dict[str, float], limits: VerdictLimits, given: GivenLandmarks
 ) -> tuple[Reason, ...]:
     """The reasons of the signals against the fit, the strongest first."""
     values, distances, found = vars(signals), set[str](), []
-    against = [name for name, strength in strengths.items() if strength > 0.0]
-    for name in sorted(against, key=strengths.__getitem__, reverse=True):
+    for name in sorted(against, key=against.__getitem__, reverse=True):
         limit = limits.signals[name]
         if limit.distance not in distances:
             advice = given.advice if limit.advice == "landmarks" else ADVICE[limit.advice]
@@ -269,15 +258,15 @@ def _reasons(
     return tuple(found)
 
 
-def _strength(value: float, limit: SignalLimits) -> float:
-    """0 up to the first limit, 1 at the second, more beyond."""
-    return float(max((value - limit.check) / (limit.no_torso - limit.check), 0.0))
+def _times_beyond(value: float, limit: SignalLimit) -> float:
+    """More than 1 where it speaks against the fit."""
+    return value / limit.limit if limit.above else limit.limit / max(value, np.finfo(float).tiny)
 
 
 def shows_a_part(signals: FitSignals, limits: VerdictLimits | None) -> bool:
     """Whether the scan shows so little that it matters who placed the fit."""
     return limits is not None and any(
-        limit.scan_alone and _strength(vars(signals)[name], limit) > 0.0 for name, limit in limits.signals.items()
+        limit.scan_alone and _times_beyond(vars(signals)[name], limit) > 1.0 for name, limit in limits.signals.items()
     )
 
 
