@@ -1,5 +1,8 @@
 """A length that was measured on the patient gives a scan its true size, in all that is asked for and answered."""
 
+import json
+from io import BytesIO
+
 import pytest
 from flask.testing import FlaskClient
 from helpers.problems import problem
@@ -53,6 +56,33 @@ def test_the_scan_and_what_is_kept_of_it_is_in_the_true_size_until_the_length_go
     assert client.delete(place).json == before
     assert client.get(landmarks).json == picks.json
     assert client.get(mesh).data == plain.data
+
+
+def test_landmarks_say_in_which_size_they_are_and_are_taken_from_any(
+    client: FlaskClient, scan_id: str, place: str
+) -> None:
+    landmarks = f"/api/scans/{scan_id}/landmarks"
+    of_file = client.get(landmarks).json
+    assert "scale" not in of_file
+    client.put(place, json=NAMES | {"length_mm": 100.0 * FACTOR})
+    shown = client.get(landmarks).json
+    assert shown["scale"] == pytest.approx(FACTOR)
+    for given in ({"landmarks": PICKS, "marks": {"dot": DOT}, "scale": 1}, shown, of_file | {"scale": 1.0}):
+        client.put(landmarks, json={"landmarks": {}, "marks": {}})
+        assert client.put(landmarks, json=given).json == client.get(landmarks).json
+        assert client.get(landmarks).json["landmarks"] == times(PICKS, FACTOR)
+        assert client.get(landmarks).json["marks"] == times({"dot": DOT}, FACTOR)
+    marks_stay = client.put(landmarks, json={"landmarks": PICKS, "scale": 1.0}).json
+    assert marks_stay["marks"] == times({"dot": DOT}, FACTOR)
+    file = (BytesIO(json.dumps({"landmarks": PICKS, "unit": "mm"}).encode()), "picks.json")
+    read = client.post(f"{landmarks}/file", data={"file": file}).json
+    assert (read["landmarks"], read["scale"]) == (times(PICKS, 1.0), shown["scale"])
+    for scale in (0.0, 30.0, True, "1"):
+        problem(client.put(landmarks, json={"landmarks": PICKS, "scale": scale}), 422)
+    client.delete(place)
+    again = client.put(landmarks, json=shown).json
+    assert "scale" not in again
+    assert (again["landmarks"], again["marks"]) == (times(PICKS, 1.0), times({"dot": DOT}, 1.0))
 
 
 def test_two_places_and_a_number_are_enough(client: FlaskClient, scan_id: str) -> None:

@@ -1,21 +1,30 @@
 """Scans scaled to a length that was measured on the patient: the result is that of a scan of the true size."""
 
+import io
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
+import pypdf
 import pytest
 import trimesh
+from helpers.plain_report import white
 
 import breastrig
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadLandmarks
+from breastrig.core.identity import Identity
 from breastrig.core.picks import Length
+from breastrig.drawings.plan_schema import empty_plan_on_scan
+from breastrig.files.result import ResultMark, read_result
+from breastrig.rendering.picture import Scene
 from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.true_size import length_of, true_size
 from breastrig.use.folder.cohort import cohort_in
+from breastrig.use.reports.share_snapshot import SnapshotJob, snapshot_files
 
 EXAMPLE = asset_folder("example")
 SMALL = 0.95
@@ -131,6 +140,55 @@ def test_a_case_has_the_scan_in_its_true_size_until_the_length_is_taken_out(
 
 
 @pytest.mark.slow
+def test_a_link_shows_all_in_the_true_size_and_no_name_of_a_mark(
+    case: breastrig.Case,
+    fits: tuple[breastrig.Fit, breastrig.Fit],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    true, scaled = fits
+    [scan], [fit] = case.scans, case.fits(case.scans[0].id)
+    folder = tmp_path / "fit"
+    shutil.copytree(fit.folder, folder)
+    result = read_result(folder)
+    assert result.scale is not None
+    of_mark = {
+        "scale": result.scale.model_copy(update={"between": [ENDS[0], "scar of M"]}),
+        "notes": [each.replace(ENDS[1], "scar of M") for each in result.notes],
+        "marks": {"scar of M": ResultMark(point=[0.0] * 3, off_scan_mm=0.0, face=0, barycentric=[1.0, 0.0, 0.0])},
+    }
+    (folder / "result.json").write_bytes(result.model_copy(update=of_mark).content())
+    monkeypatch.setattr(Scene, "render", white)
+    lines = [{"name": "L", "closed": False, "points": (1e3 * scaled.metres_per_unit * scaled.vertices[:2]).tolist()}]
+    plan = empty_plan_on_scan("mm") | {"version": 0, "whole": True, "shapes": lines}
+    stored = case.path / "scans" / scan.id / "scan.stored"
+    assert stored.is_file()
+    for scan_file, shows_scan in ((stored, True), (None, True), (None, False)):
+        job = SnapshotJob(folder, plan, (), Identity(), tmp_path, scan_file, "stored", shows_scan)
+        files = snapshot_files(job)
+        pages = pypdf.PdfReader(io.BytesIO(files["report.pdf"])).pages if shows_scan else []
+        printed = " ".join(" ".join(page.extract_text() for page in pages).split())
+        assert ("Scaled by 1.053" in printed) == shows_scan
+        shown = json.loads(files["result.json"])
+        assert [each for each in shown["notes"] if "mm from nipple_L to another" in each]
+        assert not any(b"scar of M" in content for content in files.values())
+        assert "scar of M" not in printed
+        assert "marks" not in shown
+        for name, place in true.landmarks.items():
+            assert np.linalg.norm(shown["landmarks"][name] - place) * true.metres_per_unit < (
+                0.5e-3 if shows_scan else 5e-3
+            )
+        [line] = json.loads(files["plan.json"])["shapes"]
+        np.testing.assert_allclose(line["points"], lines[0]["points"], atol=0.01 if shows_scan else 15.0)
+        body = trimesh.load(io.BytesIO(files["fitted.ply"]), file_type="ply", process=False).vertices
+        assert np.abs(body - true.vertices).max() * true.metres_per_unit < (0.5e-3 if shows_scan else 20e-3)
+        if shows_scan:
+            mesh = trimesh.load(io.BytesIO(files["mesh.glb"]), file_type="glb", force="mesh")
+            places = true.metres_per_unit * true.scan_vertices
+            np.testing.assert_allclose(mesh.bounds, [places.min(axis=0), places.max(axis=0)], atol=1e-4)
+
+
+@pytest.mark.slow
 def test_the_command_line_takes_the_length(small: Path, length: float, tmp_path: Path, capsys) -> None:
     command = ["fit", str(small / "scan.ply"), "--landmarks", str(small / "landmarks.json"), "--no-refine"]
     assert main([*command, "--length", *ENDS, f"{length}", "-o", str(tmp_path / "out")]) == 0
@@ -182,3 +240,14 @@ def test_the_size_is_no_doubt_any_more(tmp_path: Path) -> None:
 def test_a_length_that_cannot_be_meant_is_refused_in_one_sentence(given, says: str) -> None:
     with pytest.raises(BadLandmarks, match=says):
         true_size(length_of(given) or Length("", "", 0.0), {"a": np.zeros(3), "b": np.array([0.1, 0.0, 0.0])})
+
+
+def test_a_size_that_is_given_back_by_its_ends_is_the_same_to_the_last_bit() -> None:
+    """So that fits of it count again; a sixth of them would not."""
+    random = np.random.default_rng(7)
+    for _ in range(50):
+        ends, times = random.uniform(-0.2, 0.4, (2, 3)).round(5), random.uniform(0.85, 1.2)
+        length = Length("a", "b", round(1e3 * times * float(np.linalg.norm(ends[0] - ends[1])), 1))
+        first = true_size(length, dict(zip("ab", ends, strict=True)))
+        back = 1e-3 * (first.factor * np.array(first.ends_mm) / first.factor)
+        assert true_size(length, dict(zip("ab", back, strict=True))).factor == first.factor

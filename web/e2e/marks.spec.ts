@@ -76,5 +76,11 @@ test("a mark is placed and named on one scan and found again on the other", asyn
   await size.getByRole("button", { name: "Take out" }).click();
   await expect(size).not.toContainText("Scaled by");
   expect(await hook.pick(page, "mid_sternum")).toEqual(before);
+  await page.getByRole("button", { name: "Undo “true size”" }).focus();
+  await page.keyboard.press("Control+z"); // a fit of the size that goes may run
+  await expect(size).toContainText(`Scaled by ${factor.toFixed(3)}: `);
+  expect(await page.evaluate(() => window.__breastrig!.state().scan!.info.scale!.factor)).toBe(factor);
+  await page.keyboard.press("Control+y");
+  await expect(size).not.toContainText("Scaled by");
   expect(troubles).toEqual([]);
 });

@@ -30,17 +30,26 @@ def _words(model: ServedModel) -> dict[str, tuple[str, str]]:
     return {each.name: (each.label, each.latin) for each in model.rig.landmarks}
 
 
-def given_picks(given: wire.GivenLandmarkFile, stored: Picks) -> Picks:
-    """The landmarks of a request, and its marks, else those that are stored."""
-    mm = 1e3 * METRES_PER_UNIT[given.unit]
-    places, marks = _scaled(given, mm)
+def given_picks(given: wire.GivenLandmarkFile, stored: Picks, scan: StoredScan) -> Picks:
+    """The landmarks of a request in the scan's present size, and its marks, else those that are stored."""
+    mm, present = 1e3 * METRES_PER_UNIT[given.unit], _scale(scan)
+    places, marks = _scaled(given, mm * present / (given.scale or present))
     return Picks(places, tuple(given.certain), given.confidence, stored.marks_mm if given.marks is None else marks)
 
 
-def landmark_answer(picks: Picks) -> wire.LandmarkFile:
+def landmark_answer(picks: Picks, scan: StoredScan) -> wire.LandmarkFile:
     return wire.LandmarkFile(
-        landmarks=picks.points_mm, marks=picks.marks_mm, certain=list(picks.certain), confidence=picks.confidence
+        landmarks=picks.points_mm,
+        marks=picks.marks_mm,
+        certain=list(picks.certain),
+        confidence=picks.confidence,
+        scale=_scale(scan),
     )
+
+
+def _scale(scan: StoredScan) -> float:
+    factor: float = scan.facts.get("scale", {}).get("factor", 1.0)
+    return factor
 
 
 def written_file(given: wire.GivenLandmarkFile, kind: str, unit: str) -> bytes:

@@ -13,14 +13,13 @@ from breastrig.cases.plans import stored_plan, write_plan
 from breastrig.cases.writing import put, sync_folder
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadLandmarks, Conflict
-from breastrig.core.picks import Length
+from breastrig.core.picks import PLACES, Length
 from breastrig.scan.true_size import KEPT, TrueSize, kept_document, kept_factor, kept_size, true_size
 
 AT_WORK = "A fit of this scan waits or runs; cancel it or wait for its end, then give the scan its size."
 OLD = "This scan was kept by an early version of BreastRig; upload its file again to give it its true size."
 IMAGE = "An image has its true size already; it takes no length."
 FAR = "An end of the length lies outside of the scan; give both in mm, in the scan's own frame."
-PLACES = "one place", "another"  # in sentences, for ends that have no name
 REACH = 0.05  # m beyond the scan's bounds
 
 End = str | Sequence[float]  # a landmark or mark of the scan, or (3,) mm in its frame and present size

@@ -24,6 +24,9 @@ class Picks:
         return replace(self, points_mm=points, marks_mm=marks)
 
 
+PLACES = "one place", "another"  # in sentences, for ends of a length that have no name
+
+
 @dataclass(frozen=True)
 class Length:
     """A straight length that was measured on the patient, between two landmarks or marks."""

@@ -20,6 +20,7 @@ from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
 from breastrig.core.identity import CODE_CHARACTERS, one_line, random_code
 from breastrig.core.output_files import OutputSet
+from breastrig.core.picks import PLACES
 from breastrig.core.private_files import read_ordinary
 from breastrig.core.stances import Stance
 
@@ -337,6 +338,17 @@ class ResultFile(Document):
     def distances(self) -> "ResultFile | ModelAlone":
         """The distances of the model alone where they are known."""
         return self if self.model_alone is None else self.model_alone
+
+    def without_marks(self) -> "ResultFile":
+        """For others to see: without marks, and with no name of one, which people call what they like."""
+        found = self.model_copy(update={"marks": {}, "marks_asked": []})
+        if self.scale is None:
+            return found
+        ends = list(zip(self.scale.between, PLACES, strict=True))
+        said = [name if name in self.landmarks else place for name, place in ends]
+        between = " to ".join(self.scale.between), " to ".join(said)
+        notes = [each.replace(*between) if each.startswith("Scaled by ") else each for each in self.notes]
+        return found.model_copy(update={"scale": self.scale.model_copy(update={"between": said}), "notes": notes})
 
     def document(self) -> dict[str, Any]:
         """The JSON document."""

@@ -83,7 +83,8 @@ def true_size(length: Length, places: Mapping[str, Array]) -> TrueSize:
             raise BadLandmarks(
                 f'The length ends at "{name[:100]}", no landmark or mark of this scan; there are: {known}.'
             )
-    measured = 1e3 * float(np.linalg.norm(places[length.start] - places[length.end]))
+    apart = 1e3 * float(np.linalg.norm(places[length.start] - places[length.end]))
+    measured = round(apart, 6)  # the same size where a length is given back, to the last bit
     if not measured * LEAST <= length.mm <= measured * MOST:
         raise BadLandmarks(
             f"From {length.start} to {length.end} it is {measured:.0f} mm in the scan, but {length.mm:g} were given; "

@@ -371,6 +371,8 @@ export type GivenLandmarkFile = {
   unit?: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   /** places on the skin of any name (moles, dots, ends of pen lines), in the unit, the scan's own frame; lines follow those that both scans have; null or left out: those stored with the scan stay */
   marks?: Record<string, [number, number, number]> | null;
+  /** the scan's size in which the places are, as in answers; null or left out: its present one */
+  scale?: number | null;
 };
 
 /** A straight length that was measured on the patient, or on a ruler or printed tag in the scan. */
@@ -533,6 +535,8 @@ export type LandmarkFile = {
   unit?: "mm";
   /** places on the skin of any name (moles, dots, ends of pen lines), in the unit, the scan's own frame; lines follow those that both scans have */
   marks?: Record<string, [number, number, number]>;
+  /** the scan's size in which the places are: times that of its file, by a length; absent: 1 */
+  scale?: number;
 };
 
 export type LandmarkInfo = {

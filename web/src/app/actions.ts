@@ -9,6 +9,7 @@ import { createFollower } from "../fit/playback/follower";
 import { createPlayer } from "../fit/playback/playback";
 import { landmarkActions } from "../landmarks/actions";
 import { sizeActions } from "../landmarks/size/actions";
+import { isSizeLast, isSizeNext } from "../landmarks/size/ruler";
 import { createProposalSearch } from "../landmarks/proposals/proposalSearch";
 import { patientActions } from "../patients/actions";
 import { planActions } from "../plan/actions";
@@ -51,8 +52,14 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
       const shown = store.get().scan;
       return scan.open(id, shown?.frameFrom === "person" ? shown.frame : null);
     },
+    cancel: () => fit.cancel(),
     begin: bring.begin,
   });
+  /** On the body: picks, and the size in which they are. */
+  const body = {
+    undo: (): void => (isSizeLast(store.get()) ? void size.undo() : landmarks.undo()),
+    redo: (): void => (isSizeNext(store.get()) ? void size.redo() : landmarks.redo()),
+  };
   const patients = patientActions(store, client, outbox);
   const deletion = deletionActions(store, client, { scan, fit, stances, patients }, outbox);
   return {
@@ -65,6 +72,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     deletion,
     landmarks,
     size,
+    body,
     drawing,
     handles: handleActions(store, client, drawing.choosePattern),
     plan,

@@ -13,11 +13,11 @@ function isTyping(target: EventTarget | null): boolean {
 }
 
 export function listenToKeys(store: Store<Session>, actions: Actions): void {
-  const { drawing, fit, landmarks, page, player, view } = actions;
+  const { body, drawing, fit, landmarks, page, player, view } = actions;
   const keys: Record<string, (event: KeyboardEvent) => void> = {
     n: () => landmarks.wantNext(),
-    z: (event) => (event.shiftKey ? landmarks.redo() : landmarks.undo()),
-    y: () => landmarks.redo(),
+    z: (event) => (event.shiftKey ? body.redo() : body.undo()),
+    y: () => body.redo(),
     c: () => landmarks.confirmWanted(),
     f: () => view.from("front"),
     d: () => fit.showDistances(!store.get().showDistances),

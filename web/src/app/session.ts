@@ -5,7 +5,7 @@ import { type DrawingSlice, initialDrawing } from "../drawing/state";
 import { type FitSlice, initialFit } from "../fit/state";
 import { initialInk, type InkSlice } from "../ink/state";
 import { initialMarks, type MarksSlice } from "../landmarks/marks/marks";
-import { initialRuler, type RulerSlice } from "../landmarks/size/ruler";
+import { initialRuler, initialSizes, type RulerSlice, type SizesSlice } from "../landmarks/size/ruler";
 import { type LandmarksSlice, startLandmarks } from "../landmarks/state";
 import { initialScan, type ScanSlice } from "../scan/state";
 import { initialPatients, type PatientsSlice } from "../patients/state";
@@ -24,7 +24,7 @@ export interface Deletion {
   readonly beside: { readonly scan: string; readonly isSecond: boolean } | null; // the stance that stays on the page, and whether it came second
 }
 
-export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, MarksSlice, RulerSlice, FitSlice, DrawingSlice, StancesSlice, ChecksSlice, InkSlice, PatientsSlice, ShareSlice {
+export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, MarksSlice, RulerSlice, SizesSlice, FitSlice, DrawingSlice, StancesSlice, ChecksSlice, InkSlice, PatientsSlice, ShareSlice {
   readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
   readonly fitsAtOnce: boolean; // new scans are fitted by themselves
@@ -41,6 +41,7 @@ export const initialSession: Session = {
   ...startLandmarks(),
   ...initialMarks,
   ...initialRuler,
+  ...initialSizes,
   ...initialFit,
   ...initialDrawing,
   stances: initialStances,

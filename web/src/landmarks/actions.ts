@@ -10,7 +10,7 @@ import { only, type Store } from "../store/store";
 import { saveBlob } from "../ui/dom";
 import type { ViewSlice } from "../viewer/state";
 import { type Certain, certainAt, certainNames } from "./certain";
-import { createPicksKeeper, fileOf, type Known } from "./keeper";
+import { createPicksKeeper, fileOf, inSize, type Known } from "./keeper";
 import { freeMark, listedMarks, type MarksSlice, nextBeside } from "./marks/marks";
 import { marks as marksText } from "./marks/text";
 import { exchanged, isMark, markCalled, markKey, nextMissing, type Picks, picksOf, placesOf, renamed, withoutPick, withPick } from "./picks";
@@ -135,7 +135,9 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     const now = await keeper.read(scan);
     const waiting = outbox.kept("landmarks", scan.id) as Waiting | null;
     if (!waiting) return { ...now, saving: "saved" };
-    const both = together(waiting.base, waiting.mine, now);
+    const base = inSize(waiting.base, now.scale);
+    const { picks, certain } = inSize({ ...waiting.base, ...waiting.mine }, now.scale);
+    const both = together(base, { picks, certain }, now);
     outbox.keep("landmarks", scan.id, scan.patient, { ...waiting, base: keeper.base(scan.id), mine: { picks: both.picks, certain: both.certain } } satisfies Waiting);
     if (both.taken.length + both.overruled.length > 0) {
       const announcement = text.landmarks.changedElsewhere(both.taken.map(spoken), both.overruled.map(spoken));

@@ -6,8 +6,10 @@ import type { Picks } from "./picks";
 /** Where each of them was when it was kept. */
 export type Certain = Picks;
 
+const ROUNDED_MM = 1e-6; // by another size and back; a nudge of one pixel is more
+
 export const isSamePlace = (a: Vector | undefined, b: Vector | undefined): boolean =>
-  a !== undefined && b !== undefined && a.every((value, axis) => value === b[axis]);
+  a !== undefined && b !== undefined && a.every((value, axis) => Math.abs(value - b[axis]!) < ROUNDED_MM);
 
 export const isCertain = (picks: Picks, certain: Certain, name: string): boolean => isSamePlace(picks[name], certain[name]);
 

@@ -1,4 +1,5 @@
 // Picks of one scan that were changed here and meanwhile elsewhere: another tab, somebody else.
+import type { Vector } from "../api/types";
 import { certainAt, isSamePlace } from "./certain";
 import type { Picks } from "./picks";
 
@@ -9,6 +10,10 @@ export interface KeptPicks {
 }
 
 export const NO_PICKS: KeptPicks = { picks: {}, certain: [] };
+
+/** In a scan that is so many times as large. */
+export const timesLarger = <Kept extends KeptPicks>(kept: Kept, factor: number): Kept =>
+  factor === 1 ? kept : { ...kept, picks: Object.fromEntries(Object.entries(kept.picks).map(([name, place]) => [name, place.map((value) => factor * value) as unknown as Vector])) };
 
 /** The same place, or none in either. */
 const isSame = (a: Picks, b: Picks, name: string): boolean => (name in a ? isSamePlace(a[name], b[name]) : !(name in b));

@@ -1,12 +1,13 @@
 import { expect, test, vi } from "vitest";
 import type { Client } from "../../src/api/client";
 import { ApiError } from "../../src/api/client";
-import type { Scan } from "../../src/api/types";
+import type { Scan, Vector } from "../../src/api/types";
 import { sizeActions } from "../../src/landmarks/size/actions";
 import type { Picks } from "../../src/landmarks/picks";
-import { initialRuler, inScan, isRuler, rulerKey, sentEnd, withEnd } from "../../src/landmarks/size/ruler";
+import { endsOf, initialRuler, inScan, isRuler, isSizeLast, isSizeNext, rulerKey, sentEnd, withEnd } from "../../src/landmarks/size/ruler";
 import { initialSession, type Session } from "../../src/app/session";
 import { createStore } from "../../src/store/store";
+import { scanInfo, withScan } from "../fakes";
 
 const picks: Picks = { nipple_L: [10, 0, 0], "mark:dot": [10, 30, 40] };
 
@@ -34,6 +35,7 @@ test("what waits is saved before, and the scan is read again and fitted after; a
   const client = { putLength, scan: () => Promise.resolve(info), deleteLength: () => Promise.reject(new ApiError("A fit of this scan waits or runs.", 409)) } as unknown as Client;
   const actions = sizeActions(store, client, {
     flush: () => Promise.resolve(done.push("flush")),
+    cancel: () => Promise.resolve(),
     reopen: () => Promise.resolve(done.push("reopen") > 0),
     begin: () => void done.push("begin"),
   });
@@ -53,4 +55,40 @@ test("what waits is saved before, and the scan is read again and fitted after; a
   expect(store.get()).toMatchObject({ active: rulerKey("from"), ruler: { from: null, to: null } });
   actions.measure();
   expect(store.get().active).toBeNull();
+});
+
+test("sizes are gone back to and forth, by name where the ends still stand there, after what was placed since", async () => {
+  let scale: Scan["scale"];
+  const info = async (id: string): Promise<Scan> => ({ ...scanInfo(id), ...(scale ? { scale } : {}) });
+  const client = {
+    scan: info,
+    landmarks: async () => ({ schema: "breastrig/landmarks@1" as const, unit: "mm" as const, landmarks: { nipple_L: [100 * (scale?.factor ?? 1), 0, 0] as Vector }, marks: {}, ...(scale ? { scale: scale.factor } : {}) }),
+    putLength: vi.fn(async ({ id }: Scan, { length_mm: mm }: Parameters<Client["putLength"]>[1]) => {
+      const factor = mm / 100;
+      scale = { factor, between: ["nipple_L", "another"], mm, measured_mm: 100, ends: [[100 * factor, 0, 0], [0, 0, 0]] };
+      return info(id);
+    }),
+    deleteLength: vi.fn(async ({ id }: Scan) => ((scale = undefined), info(id))),
+  };
+  const { actions, store } = await withScan(client);
+  const factor = (): number => store.get().scan!.info.scale?.factor ?? 1;
+  store.set({ ruler: { from: "nipple_L", to: [0, 0, 0] } });
+  await actions.size.apply(110);
+  await actions.size.remove();
+  expect(factor()).toBe(1);
+  actions.landmarks.move("nipple_L", [7, 0, 0]);
+  actions.body.undo();
+  expect([factor(), store.get().picks.present.nipple_L], "first what was done last").toEqual([1, [100, 0, 0]]);
+  actions.landmarks.restore({ nipple_L: [100, 0, 0] });
+  await actions.landmarks.flush();
+  await actions.scan.open("s1", null);
+  await actions.size.undo();
+  expect(client.putLength).toHaveBeenLastCalledWith(expect.anything(), { from: "nipple_L", to: [0, 0, 0], length_mm: 110 });
+  expect([factor(), store.get().undone?.says]).toEqual([1.1, "Undone: the scan is scaled by 1.100."]);
+  await actions.size.undo();
+  expect([factor(), isSizeLast(store.get()), isSizeNext(store.get())]).toEqual([1, false, true]);
+  await actions.size.redo();
+  expect([factor(), store.get().undone?.says]).toEqual([1.1, "Redone: the scan is scaled by 1.100."]);
+  const ends = endsOf(store.get().scan!.info.scale!, null, { nipple_L: [5, 0, 0] });
+  expect(ends.map((end) => (end as Vector).map(Math.round)), "where it has gone elsewhere").toEqual([[100, 0, 0], [0, 0, 0]]);
 });

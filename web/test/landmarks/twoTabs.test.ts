@@ -1,8 +1,8 @@
 // Two tabs that place landmarks on one scan: neither loses its picks, and each is told of the other's.
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { withScan } from "../fakes";
+import { memory, scanInfo, withScan } from "../fakes";
 import { ApiError } from "../../src/api/client";
-import type { LandmarkFile, Scan, StoredLandmarks } from "../../src/api/types";
+import type { LandmarkFile, Scan, StoredLandmarks, Vector } from "../../src/api/types";
 
 type Named = Pick<Scan, "id" | "links">;
 
@@ -125,6 +125,59 @@ test("picks of a scan that was left are brought together too, and again when it 
   two.actions.landmarks.remove("nipple_L");
   await pause();
   expect(kept.placed()).toEqual({ nipple_R: [4, 5, 6] });
+});
+
+/** A service of one scan, to which somebody may give another size. */
+function sizedService() {
+  let scale = 1;
+  let kept: StoredLandmarks = { schema: "breastrig/landmarks@1", unit: "mm", landmarks: {}, certain: [], seen: "" };
+  const times = (file: LandmarkFile, factor: number): LandmarkFile["landmarks"] => Object.fromEntries(Object.entries(file.landmarks).map(([name, at]) => [name, at.map((value) => factor * value) as unknown as Vector]));
+  const shown = (): StoredLandmarks => ({ ...kept, landmarks: times(kept, scale), seen: Object.keys(kept.landmarks).length === 0 ? "" : `${kept.seen} at ${scale}`, ...(scale === 1 ? {} : { scale }) });
+  return {
+    resize: (to: number): void => void (scale = to),
+    placed: () => Object.fromEntries(Object.entries(shown().landmarks).map(([name, at]) => [name, at.map((value) => Math.round(1e6 * value) / 1e6)])),
+    scan: async (id: string) => ({ ...scanInfo(id), ...(scale === 1 ? {} : { scale: { factor: scale } }) }) as Scan,
+    landmarks: async () => shown(),
+    saveLandmarks: vi.fn(async (_scan: Named, file: LandmarkFile, seen: string | null) => {
+      if (seen !== null && seen !== shown().seen) throw new ApiError("Somebody has changed these landmarks.", 412);
+      kept = { ...file, landmarks: times(file, 1 / (file.scale ?? scale)), seen: JSON.stringify(file) };
+      return shown();
+    }),
+  };
+}
+
+test("what is placed in a tab that shows the size before is kept in that size, and all that is shown is, too", async () => {
+  const kept = sizedService();
+  const one = await withScan(kept);
+  kept.resize(1.25);
+  place(one, "nipple_L", [10, 20, 30]);
+  await pause();
+  expect(kept.placed(), "though nobody had placed any before: their tag is the same in each size").toEqual({ nipple_L: [12.5, 25, 37.5] });
+  kept.resize(0.8);
+  const two = await withScan(kept);
+  kept.resize(1.25);
+  place(two, "nipple_R", [8, 0, 0]);
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_L: [12.5, 25, 37.5], nipple_R: [12.5, 0, 0] });
+  expect(two.store.get().picks.present.nipple_L!.map(Math.round)).toEqual([8, 16, 24]);
+  expect(two.store.get().problems.landmarks, "nobody has moved any").toBeUndefined();
+  place(one, "umbilicus", [0, 0, 10]);
+  await pause();
+  expect(kept.placed()).toEqual({ nipple_L: [12.5, 25, 37.5], nipple_R: [12.5, 0, 0], umbilicus: [0, 0, 12.5] });
+  expect(one.store.get().picks.present).toEqual({ nipple_L: [10, 20, 30], nipple_R: [10, 0, 0], umbilicus: [0, 0, 10] });
+});
+
+test("what could not be saved is kept in its size until the page is opened again, whatever size the scan then has", async () => {
+  const kept = sizedService();
+  const tab = memory();
+  const one = await withScan({ ...kept, saveLandmarks: vi.fn(() => Promise.reject(new ApiError("Nobody answers.", 0))) }, tab);
+  place(one, "nipple_L", [10, 20, 30]);
+  await pause();
+  kept.resize(1.25);
+  const again = await withScan(kept, tab);
+  await pause();
+  expect(again.store.get()).toMatchObject({ picks: { present: { nipple_L: [12.5, 25, 37.5] } }, saving: "saved" });
+  expect(kept.placed()).toEqual({ nipple_L: [12.5, 25, 37.5] });
 });
 
 test("a page that closes while a save is on its way sends the last picks all the same", async () => {

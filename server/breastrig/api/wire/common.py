@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from breastrig.core.stances import Stance as OneStance
 from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, LineUnit, SurfacePoint
-from breastrig.scan.true_size import LONGEST
+from breastrig.scan.true_size import LEAST, LONGEST, MOST
 from breastrig.scan.volumes.answers import MOST_CHARACTERS
 from breastrig.use.steps.events import FitEvent, IterationNumbers, NodePose
 
@@ -277,6 +277,11 @@ class LandmarkFile(_Landmarks):
 
     unit: Literal["mm"] = "mm"
     marks: dict[Name, Point] = Field(default={}, max_length=200, description=MARKS, exclude_if=lambda found: not found)
+    scale: float = Field(
+        default=1.0,
+        exclude_if=lambda found: found == 1.0,
+        description="the scan's size in which the places are: times that of its file, by a length; absent: 1",
+    )
 
 
 class GivenLandmarkFile(_Landmarks):
@@ -285,6 +290,12 @@ class GivenLandmarkFile(_Landmarks):
     unit: LineUnit = "mm"
     marks: dict[Name, Point] | None = Field(
         None, max_length=200, description=f"{MARKS}; null or left out: those stored with the scan stay"
+    )
+    scale: Finite | None = Field(
+        None,
+        ge=LEAST,
+        le=MOST,
+        description="the scan's size in which the places are, as in answers; null or left out: its present one",
     )
 
 

@@ -198,7 +198,9 @@ class Case:
         """Replaces the scan's landmarks: name -> (3,) place in its unit and frame, or the path of a landmark file.
 
         Those named in `certain` are always followed.  `marks` are places on the skin under any other names, beside
-        those of the file.  Raises BadLandmarks or another BadInput.
+        those of the file.  Of a scan with a length all are in the true size, those of a file, too: to take places that
+        were picked on the scan's own file, `delete_length`, put them, then `put_length`.
+        Raises BadLandmarks or another BadInput.
         """
         given = landmarks_in_mm(landmarks, ScanSource(self.read_scan(scan), "auto"), certain, marks)
         rig = loaded(model_choice(None).of(self._folder.scan(scan).facts))

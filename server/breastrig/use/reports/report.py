@@ -48,6 +48,7 @@ class ReportJob:
     identity: Identity = UNNAMED
     doubts: tuple[str, ...] = ()  # whether both fits are of one patient
     cuts: tuple[tuple[dict[str, Any], ...], ...] = ()  # of each fit's scan, made by hand: what is not shown any more
+    names_marks: bool = True  # False: for others to see
 
 
 REPORT_RECORD = "report.json"
@@ -182,7 +183,7 @@ def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
         Reported(
             name,
             stance,
-            fit.result,
+            fit.result if job.names_marks else fit.result.without_marks(),
             measured,
             _in_words(job, plan, fit),
             _lesions(plan),

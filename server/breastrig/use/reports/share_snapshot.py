@@ -8,7 +8,7 @@ was picked on it, and the plan's lines where they lie on that model.
 
 import json
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -78,7 +78,8 @@ def snapshot_files(job: SnapshotJob) -> dict[str, bytes]:
     With the scan distances.bin, mesh.glb and, where one can be made of this fit, report.pdf as well.
     """
     rig = read_rig(job.model or default_rig_path())
-    fit = still_visible(fit_folder_of(job.fit, rig), job.cuts)
+    whole = still_visible(fit_folder_of(job.fit, rig), job.cuts)
+    fit = replace(whole, result=whole.result.without_marks())
     alone = in_pose(rig, fit.parameters).vertices
     cut = are_cut(fit.vertices, job.cuts)  # of the model: there the skin is gone, and the layer with it
     surface = np.where(cut[:, None], alone, fit.vertices) if job.shows_scan else alone
@@ -112,7 +113,15 @@ def _of_scan(job: SnapshotJob, fit: FitFolder, cut: Booleans, plan: dict[str, An
         files["mesh.glb"] = coloured_mesh(read_scan(job.scan, job.file_type, fit.unit), fit.surface)
     lines = (plan, bool(plan["whole"])) if plan["version"] else None
     items = tuple(item for item in job.items if job.has_notes or item["kind"] != "note")
-    report = ReportJob(job.fit, model=job.model, plans=(lines,), items=items, identity=job.identity, cuts=(job.cuts,))
+    report = ReportJob(
+        job.fit,
+        model=job.model,
+        plans=(lines,),
+        items=items,
+        identity=job.identity,
+        cuts=(job.cuts,),
+        names_marks=False,
+    )
     with suppress(BreastRigError):  # then the link offers none
         files["report.pdf"] = report_pdf_of(report)
     return files

@@ -3,6 +3,8 @@ import { planChanges } from "../../drawing/changes";
 import { stepOf } from "../../drawing/state";
 import { outdated } from "../../fit/outdated";
 import { levelOf } from "../../fit/verdict";
+import { isSizeLast, isSizeNext } from "../../landmarks/size/ruler";
+import { size } from "../../landmarks/size/text";
 import { picksSaid } from "../../landmarks/text";
 import { dayName } from "../../stances/Strip";
 import type { Step, Theme } from "../../store/page";
@@ -21,11 +23,13 @@ import * as text from "../text";
 const words = text.top;
 const TABS = ["body", "plan", "handover"] as const satisfies readonly Step[];
 
-type Shown = Pick<Session, "meta" | "step" | "scan" | "picks" | "certain" | "saving" | "fit" | "stance" | "preset" | "refine" | "drawing" | "drawn" | "stances" | "theme" | "isSignedIn" | "fitsAtOnce">;
+type Shown = Pick<Session, "meta" | "step" | "scan" | "picks" | "sizes" | "certain" | "saving" | "fit" | "stance" | "preset" | "refine" | "drawing" | "drawn" | "stances" | "theme" | "isSignedIn" | "fitsAtOnce">;
 
 /** What undo would take back; null where nothing is there to be taken back. */
-function undoable({ meta, step, picks, drawing, drawn }: Shown): string | null {
+function undoable(state: Shown): string | null {
+  const { meta, step, picks, drawing, drawn } = state;
   if (step === "body" || step === "points") {
+    if (isSizeLast(state)) return size.change;
     const before = picks.past.at(-1);
     return before ? picksSaid(before, picks.present, meta?.landmarks ?? []) : null;
   }
@@ -52,8 +56,8 @@ export function createTopBar(actions: Actions): Panel<Shown> {
   });
   const nav = el("nav", { class: "tabs", "aria-label": text.page.stepsLabel }, ...tabs.map(({ tab }) => tab));
   const ofPlan = (): boolean => shown?.step === "plan" || shown?.step === "handover";
-  const undo = button("", () => (ofPlan() ? actions.drawing.undo() : actions.landmarks.undo()), "quiet undo", "undo");
-  const redo = iconButton("redo", words.redo, () => (ofPlan() ? actions.drawing.redo() : actions.landmarks.redo()));
+  const undo = button("", () => (ofPlan() ? actions.drawing.undo() : actions.body.undo()), "quiet undo", "undo");
+  const redo = iconButton("redo", words.redo, () => (ofPlan() ? actions.drawing.redo() : actions.body.redo()));
   const saved = el("span", { class: "saved muted", role: "status" });
   const theme = menuItem("", "", () => actions.page.nextTheme());
   const fits = menuItem("", words.fitsAtOnceHint, () => actions.bring.chooseFitsAtOnce(!(shown?.fitsAtOnce ?? true)));
@@ -69,7 +73,7 @@ export function createTopBar(actions: Actions): Panel<Shown> {
   let drawn: Theme | null = null;
   return {
     element,
-    select: only("meta", "step", "scan", "picks", "certain", "saving", "fit", "stance", "preset", "refine", "drawing", "drawn", "stances", "theme", "isSignedIn", "fitsAtOnce"),
+    select: only("meta", "step", "scan", "picks", "sizes", "certain", "saving", "fit", "stance", "preset", "refine", "drawing", "drawn", "stances", "theme", "isSignedIn", "fitsAtOnce"),
     update(state: Shown): void {
       shown = state;
       const { scan, step, stances } = state;
@@ -88,7 +92,7 @@ export function createTopBar(actions: Actions): Panel<Shown> {
       show(undo, says !== null);
       setText(undo.querySelector("span")!, says ? words.undo(says) : words.undoPlain);
       undo.title = says ? words.undo(says) : words.undoPlain;
-      show(redo, scan !== null && (ofPlan() ? state.drawn.lines.future : state.picks.future).length > 0);
+      show(redo, scan !== null && (ofPlan() ? state.drawn.lines.future.length > 0 : isSizeNext(state) || state.picks.future.length > 0));
       const isBusy = [state.saving, state.drawn.saving];
       const unsaid = isBusy.find((each) => each === "unsaved") ?? isBusy.find((each) => each === "saving") ?? "saved";
       setText(saved, scan === null ? "" : words[unsaid]);

@@ -23,4 +23,7 @@ export const size = {
   applied: "The scan has its true size.",
   elsewhere: "The scan was given another size elsewhere. The page shows it in that size.",
   removed: "The scan has the size of its file.",
+  change: "true size",
+  undone: (to: { readonly factor: number } | null) => `Undone: the scan ${to ? `is scaled by ${to.factor.toFixed(3)}` : "has the size of its file"}.`,
+  redone: (to: { readonly factor: number } | null) => `Redone: the scan ${to ? `is scaled by ${to.factor.toFixed(3)}` : "has the size of its file"}.`,
 };

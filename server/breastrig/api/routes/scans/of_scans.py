@@ -16,6 +16,7 @@ from breastrig.core.proposed import why_not_proposed
 from breastrig.scan.landmarks.landmark_files import LIMIT_BYTES
 from breastrig.storage.documents.scans import (
     Cuts,
+    StoredScan,
     cuts_digest,
     get_cuts,
     get_landmarks,
@@ -43,9 +44,8 @@ def show_landmarks(scan_id: str) -> Landmarks:
     The ETag is what a change may name as If-Match.
     """
     storage = app_context().service.storage
-    get_scan(storage, scan_id)
-    stored = get_landmarks(storage, scan_id)
-    return _landmarks_answer(stored)
+    row = get_scan(storage, scan_id)
+    return _landmarks_answer(get_landmarks(storage, scan_id), row)
 
 
 @of_scans.put("/<scan_id>/landmarks")
@@ -60,17 +60,18 @@ def replace_landmarks(
 
     Names must be landmarks of the model; points must lie near the scan.  `certain` names those of them that a fit
     follows whatever all else says, `confidence` those that were proposed and only agreed to.  `marks` have any other
-    names; without this field those stay that are stored.
+    names; without this field those stay that are stored.  Of a scan with a length, places are in the true size unless
+    `scale` says another: the one in which they were read, 1 for places of the scan's own file.
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
-    picks = given_picks(json_data, get_landmarks(context.service.storage, row.id))
+    picks = given_picks(json_data, get_landmarks(context.service.storage, row.id), row)
     check_landmarks(picks, row, context.model_of(row.facts))
     picks = context.service.proposals.agreed(row.id, context.model_of(row.facts).rig.sha256, picks)
     if not put_landmarks(context.service.storage, scan_id, picks, _tag(headers_data.if_match)):
         now = picks_digest(get_landmarks(context.service.storage, scan_id))
         raise refuse(412, CHANGED_LANDMARKS, {"ETag": f'"{now}"'})
-    return _landmarks_answer(picks)
+    return _landmarks_answer(picks, row)
 
 
 @of_scans.post("/<scan_id>/landmarks/file")
@@ -81,12 +82,13 @@ def read_landmark_file(scan_id: str, files_data: wire.LandmarkUpload) -> wire.La
     """The landmarks of a file, mm
 
     As the command line reads it: any kind of file, in the scan's frame, under the model's names.  Nothing is kept; send
-    them with PUT.
+    them with PUT.  Of a scan with a length they are taken to be in the true size, as the answer's `scale` says: PUT
+    places that were picked on the scan's own file with `scale` 1.
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
     found = picks_of_file(files_data.file.stream.read(LIMIT_BYTES + 1), row, context.model_of(row.facts))
-    return landmark_answer(found)
+    return landmark_answer(found, row)
 
 
 @of_scans.post("/<scan_id>/landmarks/file/<kind>")
@@ -234,8 +236,8 @@ def _tag(if_match: str | None) -> str | None:
     return None if if_match is None else if_match.strip().removeprefix("W/").strip('"')
 
 
-def _landmarks_answer(picks: Picks) -> Landmarks:
-    return landmark_answer(picks), 200, {"ETag": f'"{picks_digest(picks)}"', "Cache-Control": "no-store"}
+def _landmarks_answer(picks: Picks, row: StoredScan) -> Landmarks:
+    return landmark_answer(picks, row), 200, {"ETag": f'"{picks_digest(picks)}"', "Cache-Control": "no-store"}
 
 
 def cuts_answer(cuts: Cuts) -> wire.Cuts:
