@@ -318,7 +318,10 @@ STEPS: Mapping[str, tuple[str, str]] = {  # of a case: its routes (the first ste
         "/api/meta|/api/models|/api/examples|/healthz|/readyz|/metrics",
         "example Example load_model Rig __version__",
     ),
-    "landmarks": ("/landmarks|/length$|/scan_protocol", "propose_landmarks Proposal Proposals"),
+    "landmarks": (
+        "/landmarks|/length$|/scan_protocol|/proposed_marks",
+        "propose_landmarks Proposal Proposals propose_marks ProposedMark ProposedMarks",
+    ),
     "checks": ("/checks", "LineChecks LandmarkCheck"),
     "draw": ("/plan|/pattern|/lengths|/scans/{scan_id}/drawing", "draw project Drawing Line Lesion"),
     "transfer": ("/api/transfers", "transfer"),

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from breastrig.use.ink import Ink, InkLine, find_ink
     from breastrig.use.landmarks import Proposal, Proposals, propose_landmarks
     from breastrig.use.lines.line_checks import LandmarkCheck, LineChecks
+    from breastrig.use.marks.propose_marks import ProposedMark, ProposedMarks, propose_marks
     from breastrig.use.measure import Measure, Number, measure
     from breastrig.use.predict import predict
     from breastrig.use.report import write_report
@@ -78,6 +79,8 @@ __all__ = [
     "Posterior",
     "Proposal",
     "Proposals",
+    "ProposedMark",
+    "ProposedMarks",
     "Rig",
     "Scan",
     "TooLarge",
@@ -93,6 +96,7 @@ __all__ = [
     "predict",
     "project",
     "propose_landmarks",
+    "propose_marks",
     "read_scan",
     "transfer",
     "volume_mesh",
@@ -110,6 +114,7 @@ _MODULES = {
     "use.ink": "Ink InkLine find_ink",
     "use.landmarks": "Proposal Proposals propose_landmarks",
     "use.lines.line_checks": "LandmarkCheck LineChecks",
+    "use.marks.propose_marks": "ProposedMark ProposedMarks propose_marks",
     "use.measure": "Measure Number measure",
     "use.values.model": "Rig load_model",
     "rig.named_parameters": "BonePose Parameters",

@@ -66,6 +66,9 @@ LISTED = {  # why they are not run here, or the test that runs them
     "tests/cli/test_landmarks_command.py": [
         "breastrig landmarks scan.ply -o proposed.json",
     ],
+    "tests/use/test_propose_marks.py": [
+        "breastrig marks standing.zip supine.zip --from standing/ --to supine/ -o marks.json",
+    ],
     "tests/cli/test_batch_command.py": [
         "breastrig batch manifest.csv -o results/",
     ],

@@ -15,7 +15,7 @@ from breastrig.core.errors import BreastRigError
 
 SCAN, PICKS = (str(asset_folder("example") / "standing" / name) for name in ("scan.ply", "landmarks.json"))
 PLACES = {
-    *("find_ink", "fit", "iterates", "propose_landmarks", "read_scan", "transfer"),
+    *("find_ink", "fit", "iterates", "propose_landmarks", "propose_marks", "read_scan", "transfer"),
     *("predict", "volume_mesh", "draw", "project", "example"),
 }
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from breastrig.cli.cases import actions as actions_of
-from breastrig.cli.scan_options import add_answers, add_scan_options
+from breastrig.cli.options.scan_options import add_answers, add_scan_options
 from breastrig.core.assets import packaged_models
 from breastrig.core.stances import AUTO, STANCES
 from breastrig.use.steps.settings import FIRST

@@ -21,6 +21,7 @@ COMMANDS = {
     "volume": "tetrahedra of the fitted body for finite elements",
     "landmarks": "propose the landmarks on one scan",
     "ink": "find lines that were drawn on the skin of one scan",
+    "marks": "propose the marks that two coloured scans share",
     "batch": "fit the model to many scans",
     "case": "a patient's folder: scans, fits, plan and its versions",
     "cohort": "learn a prior from a clinic's fits, merge, share",

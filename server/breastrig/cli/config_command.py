@@ -4,7 +4,7 @@ import argparse
 import os
 
 from breastrig.api.settings import token_source
-from breastrig.cli.service_options import add_service_options, service_settings
+from breastrig.cli.options.service_options import add_service_options, service_settings
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

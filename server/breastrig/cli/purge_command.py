@@ -9,7 +9,7 @@ from datetime import timedelta
 from breastrig.api.settings import read_days
 from breastrig.cases import layout, removal
 from breastrig.cases.case_folder import CaseFolder
-from breastrig.cli.service_options import add_setting_options, chosen_data_folder
+from breastrig.cli.options.service_options import add_setting_options, chosen_data_folder
 from breastrig.core import wall_clock
 from breastrig.core.errors import BadInput, BadSettings, NotFound
 from breastrig.service.bring_over import is_early, take_over

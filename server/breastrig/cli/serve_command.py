@@ -19,7 +19,7 @@ from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
 from breastrig.api.settings import token_source
 from breastrig.api.web_server import Server, ServerLimits
 from breastrig.cli.interruption import NUMBERS, raise_if_asked
-from breastrig.cli.service_options import add_service_options, service_settings
+from breastrig.cli.options.service_options import add_service_options, service_settings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.execution.executor import Executor

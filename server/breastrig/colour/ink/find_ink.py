@@ -14,7 +14,7 @@ from breastrig.colour.ink.kinds import Kind, sorted_out
 from breastrig.colour.ink.pieces import Ink, measured
 from breastrig.colour.ink.ridges import DENSITY, ridge_points
 from breastrig.colour.ink.strokes import Stroke, strokes
-from breastrig.colour.skin_texture import skin_texture
+from breastrig.colour.skin_texture import SkinTexture, skin_texture
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadScan
 from breastrig.geometry.polyline import Polyline
@@ -77,12 +77,10 @@ class InkLine:
     length: float  # m of ink, without gaps
 
 
-def find_ink(scan: Scan, factor: float = 1.0, image: NDArray[np.uint8] | None = None) -> tuple[InkLine, ...]:
-    """All strokes of ink on a coloured scan, longest first; perhaps none.
+def fine_texture(scan: Scan, image: NDArray[np.uint8] | None = None) -> SkinTexture:
+    """The pictures of a scan whose colours are fine enough for a pen's line; `image` is as in `skin_texture`.
 
-    `factor` makes all thresholds of density larger or smaller, for evaluations; `image` is as in `skin_texture`.
-
-    Raises BadScan, with one sentence, for a scan without colour or with colours too coarse for a pen's line.
+    Raises BadScan, with one sentence, for all others.
     """
     if scan.colour_kind == "none":
         raise BadScan(COLOURLESS)
@@ -95,6 +93,17 @@ def find_ink(scan: Scan, factor: float = 1.0, image: NDArray[np.uint8] | None = 
             f"The colours of this scan are {1e3 * texture.source_texel:.1f} mm apart, too coarse for lines of a pen "
             f"(at most {1e3 * limits.FINE_ENOUGH:.1f} mm); export it {how}."
         )
+    return texture
+
+
+def find_ink(scan: Scan, factor: float = 1.0, image: NDArray[np.uint8] | None = None) -> tuple[InkLine, ...]:
+    """All strokes of ink on a coloured scan, longest first; perhaps none.
+
+    `factor` makes all thresholds of density larger or smaller, for evaluations; `image` is as in `skin_texture`.
+
+    Raises BadScan, with one sentence, for a scan without colour or with colours too coarse for a pen's line.
+    """
+    texture = fine_texture(scan, image)
     found = [ridge_points(picture, texture.owner == number) for number, picture in enumerate(texture.pictures)]
     if not found:
         return ()

@@ -1,5 +1,7 @@
 """The colour of the skin itself at points of the standing skin: tone, mottling, areolae, marks, ink; no light."""
 
+from copy import copy
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -36,6 +38,12 @@ class Albedo:
         self._pressure = float(fold - random.uniform(0.005, 0.03)), float(random.uniform(0.0, 4.0))
         self._navel = float(random.uniform(*NAVEL_SIZE)), float(random.uniform(*NAVEL_STRENGTH))
         self._patch = random.uniform(*PATCH), np.array([random.uniform(60.0, 85.0), random.uniform(0.0, 8.0), 12.0])
+
+    def showing(self, marks: Marks) -> "Albedo":
+        """The same skin with other marks."""
+        other = copy(self)
+        other._marks = marks
+        return other
 
     def lab(self, places: Array) -> Array:
         """(N, 3) Lab at (N, 3) m, points of the standing skin."""

@@ -1,0 +1,1 @@
+"""Small marks that two scans share."""

@@ -1,0 +1,1 @@
+"""Marks that the colours of two scans show."""
