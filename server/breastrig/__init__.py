@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from breastrig.use.draw import draw, project
     from breastrig.use.example import Example, example
     from breastrig.use.fit import FitRun, Iterate, fit, iterates
+    from breastrig.use.guides.write_template import write_template
     from breastrig.use.ink import Ink, InkLine, find_ink
     from breastrig.use.landmarks import Proposal, Proposals, propose_landmarks
     from breastrig.use.lines.line_checks import LandmarkCheck, LineChecks
@@ -101,6 +102,7 @@ __all__ = [
     "transfer",
     "volume_mesh",
     "write_report",
+    "write_template",
 ]
 
 _MODULES = {
@@ -123,6 +125,7 @@ _MODULES = {
     "use.report": "write_report",
     "use.fit": "FitRun Iterate fit iterates",
     "use.scan": "Scan read_scan",
+    "use.guides.write_template": "write_template",
     "use.transfer": "transfer",
     "use.volume": "Volume volume_mesh",
 }

@@ -186,6 +186,22 @@ def test_the_volume_is_that_of_the_command(real: Real, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_the_template_shows_the_plan_in_the_position_of_the_scan_and_names_the_patient(real: Real) -> None:
+    _, client, scans, fits = real
+    answer = client.get(f"/api/fits/{fits['supine']}/template.pdf")
+    assert (answer.status_code, answer.mimetype, answer.headers["Cache-Control"]) == (
+        200,
+        "application/pdf",
+        "no-store",
+    )
+    code, text = code_of(client, scans["supine"]), text_of(answer.data)
+    assert all(words in text for words in (code, "supine", "Patient's right side", "Notch", "100 mm"))
+    assert "Breast, left: the skin is too curved there" in text, "and is said"
+    assert f"filename={code}_supine_{utc_now()[:10]}_template.pdf" in answer.headers["Content-Disposition"]
+    assert client.get("/api/fits/nobody/template.pdf").status_code == 404
+
+
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank")
 def test_the_pages_of_the_report_are_pictures_too(real: Real) -> None:
     _, client, _, fits = real
@@ -218,7 +234,7 @@ def test_what_is_refused(real: Real, name: str) -> None:
 
 def test_a_fit_that_is_not_done_has_no_report(client: FlaskClient, scan_id: str) -> None:
     fit = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["id"]
-    for name in ("report.pdf", "report.png", "measures.json", "measures.csv", "volume.vtu"):
+    for name in ("report.pdf", "report.png", "measures.json", "measures.csv", "volume.vtu", "template.pdf"):
         assert client.get(f"/api/fits/{fit}/{name}").status_code == 409
     client.post(f"/api/fits/{fit}/cancel")
 

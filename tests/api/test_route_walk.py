@@ -224,7 +224,15 @@ def test_every_route_with_every_credential(
             assert status in expected(credential, call), (credential, call, status)
 
 
-REFUSED = ("report.pdf", "report.png", "measures.csv", "measures.json", "volume.vtu", "/ink")  # a fake fit, no colours
+REFUSED = (
+    "report.pdf",
+    "template.pdf",
+    "report.png",
+    "measures.csv",
+    "measures.json",
+    "volume.vtu",
+    "/ink",
+)  # a fake fit
 
 
 def expected(credential: str, call: Call) -> set[int]:

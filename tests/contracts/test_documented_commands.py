@@ -89,6 +89,10 @@ LISTED = {  # why they are not run here, or the test that runs them
     "tests/report/test_protocol.py": [
         "breastrig protocol -o protocol.pdf",
     ],
+    "tests/report/test_template.py": [
+        "breastrig template supine/ -o template.pdf",
+        "breastrig template supine/ --with standing/ --plan plan.json -o template.pdf",
+    ],
     "tests/volume": [
         "breastrig volume standing/ -o torso.vtu",
         "breastrig volume out/ -o torso.vtu",
@@ -157,6 +161,7 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig fit",
         "breastrig fit --length A B MM",
         "breastrig report",
+        "breastrig template",
         "breastrig volume",
     ],
     "tests/cli/test_main.py": [

@@ -16,6 +16,7 @@ COMMANDS = {
     "predict": "show the patient of a scan in another stance",
     "compare": "superimpose two drawings of one scan",
     "report": "measures and pictures of one or two fits",
+    "template": "the plan in true size on paper, to lay on the skin",
     "protocol": "a page to print for taking scans with marks",
     "export": "drawing and closed surface for other programs",
     "volume": "tetrahedra of the fitted body for finite elements",

@@ -7,12 +7,11 @@ from pathlib import Path
 from breastrig.cli.messages.earlier_fits import say_unchecked
 from breastrig.cli.output_options import (
     add_output_options,
-    add_same_patient,
+    add_plan_options,
     files_of_fit,
     files_of_model,
     output_folder,
 )
-from breastrig.core.assets import model_path
 from breastrig.core.output_files import OutputSet, all_or_nothing
 from breastrig.core.private_files import write_files
 from breastrig.drawings.drawing_file import drawing_document
@@ -21,19 +20,7 @@ from breastrig.use.reports.export_fit import EXPORT_FILES, EXPORT_RECORD, export
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
-    parser.add_argument(
-        "--plan", type=Path, metavar="FILE", help="plan or drawing that is exported instead of the fit's own drawing"
-    )
-    parser.add_argument(
-        "--with",
-        dest="other",
-        type=Path,
-        metavar="OUT_B",
-        help="fit of the same patient from which the plan is carried too",
-    )
-    parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig that the fit was made with")
-    add_same_patient(parser)
+    add_plan_options(parser, "exported")
     add_output_options(parser, "DIR", "folder for the files")
 
 

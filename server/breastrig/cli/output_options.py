@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
+from breastrig.core.assets import model_path
 from breastrig.core.output_files import Output, OutputSet, single_file
 from breastrig.files.result import FIT_FILES
 
@@ -25,6 +26,19 @@ def add_output_options(parser: argparse.ArgumentParser, metavar: str, what: str)
     parser.add_argument(
         "--force", action="store_true", help="replace files that are no earlier result; never what the command reads"
     )
+
+
+def add_plan_options(parser: argparse.ArgumentParser, shown: str) -> None:
+    """A fit, another of the same patient, a plan that is `shown` (a participle), and the rig."""
+    parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
+    parser.add_argument(
+        "--with", dest="other", type=Path, metavar="OUT_B", help="fit of the same patient in another stance"
+    )
+    parser.add_argument(
+        "--plan", type=Path, metavar="FILE", help=f"plan or drawing that is {shown} instead of the fit's own drawing"
+    )
+    parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig that the fits were made with")
+    add_same_patient(parser)
 
 
 def add_same_patient(parser: argparse.ArgumentParser) -> None:

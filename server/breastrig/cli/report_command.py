@@ -4,29 +4,18 @@ import argparse
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_output_options, add_same_patient, say_misfits
-from breastrig.core.assets import model_path
+from breastrig.cli.output_options import add_output_options, add_plan_options, say_misfits
 from breastrig.use.report import write_report
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote, with or without --with"
-    )
-    parser.add_argument(
-        "--with", dest="other", type=Path, metavar="OUT_B", help="fit of the same patient in another stance"
-    )
-    parser.add_argument(
-        "--plan", type=Path, metavar="FILE", help="plan or drawing that is shown instead of the fit's own drawing"
-    )
+    add_plan_options(parser, "shown")
     parser.add_argument(
         "--code",
         default="",
         metavar="CODE",
         help="the patient's code, never a name, on every page and in the PDF's name; by default that of the fit",
     )
-    parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig that the fits were made with")
-    add_same_patient(parser)
     add_output_options(parser, "DIR", "folder for the three files")
 
 

@@ -22,6 +22,7 @@ from breastrig.storage.documents.patients import StoredPatient, get_patient, get
 from breastrig.storage.documents.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
+from breastrig.use.guides.template import template_pdf_of
 from breastrig.use.reports.report import ReportJob, measures_json_of, protocol_pdf_of, report_pages_of, report_pdf_of
 from breastrig.use.volume import volume_vtu_of
 
@@ -30,8 +31,9 @@ MAKERS: dict[str, Callable[[ReportJob], bytes]] = {
     "pages.zip": report_pages_of,
     "measures.json": measures_json_of,
     "volume.vtu": volume_vtu_of,
+    "template.pdf": template_pdf_of,
 }
-PLANNED = ("report.pdf", "pages.zip")  # what shows the plan; measures are those of the body
+PLANNED = ("report.pdf", "pages.zip", "template.pdf")  # what shows the plan; measures are those of the body
 REMEMBERED = 32  # of half a megabyte, volumes of more than one
 TWO_PATIENTS = f"The two scans are filed as those of two patients; {SAYS_NOTHING}"
 DAY = len("2026-11-25")  # of a time as ISO 8601
@@ -70,6 +72,10 @@ class Reports:
     def volume(self, fit_id: str) -> bytes:
         """Tetrahedra of the fitted body, VTU.  Raises likewise, and BadInput for a model whose inside is not known."""
         return self._remembered_or_made("volume.vtu", fit_id, None)
+
+    def template(self, fit_id: str) -> bytes:
+        """The plan's lines in true size, PDF.  Raises likewise, and BadInput where they cannot be laid flat."""
+        return self._remembered_or_made("template.pdf", fit_id, None)
 
     def protocol(self) -> bytes:
         """The page for taking scans with marks."""

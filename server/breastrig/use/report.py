@@ -53,11 +53,11 @@ def write_report(
     Raises:
         BadInput: With one sentence.
     """
-    document = _document(plan)
+    document = plan_of(plan)
     with ExitStack() as stack:
         folders = [stack.enter_context(folder_of(each, FIT_FILES)) for each in (fit, other) if each is not None]
         results = [read_result(each) for each in folders]
-        identity = _identity(results, code, document)
+        identity = identity_of(results, code, document)
         pdf = file_name(identity.code, " ".join(each.stance for each in results), identity.day, "report.pdf")
         files = OutputSet(Path(), (MEASURES_TABLE, pdf, REPORT_RECORD), REPORT_RECORD, SCHEMA, varying=True)
         given = [Path(each) / name for each in (fit, other) if isinstance(each, str | Path) for name in FIT_FILES]
@@ -76,13 +76,13 @@ def write_report(
             return write_three_files(job, staging, pdf, fit.model if isinstance(fit, Fit) else loaded(model))
 
 
-def _document(plan: Drawing | Mapping[str, Any] | str | Path | None) -> dict[str, Any] | None:
+def plan_of(plan: Drawing | Mapping[str, Any] | str | Path | None) -> dict[str, Any] | None:
     if isinstance(plan, str | Path):
         return drawing_document(Path(plan))
     return None if plan is None else dict(plan.document if isinstance(plan, Drawing) else plan)
 
 
-def _identity(results: list[ResultFile], code: str, plan: dict[str, Any] | None) -> Identity:
+def identity_of(results: list[ResultFile], code: str, plan: dict[str, Any] | None) -> Identity:
     """Code, days and the plan's version, as far as they are known."""
     known = [result.patient or ResultPatient() for result in results]
     code = checked_code(code) or next((each.code for each in known if each.given), known[0].code) or random_code()

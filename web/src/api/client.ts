@@ -209,6 +209,8 @@ export const client = {
     const answer = await ask(`${report.replace("report.pdf", "report.png")}${report.includes("?") ? "&" : "?"}page=${page}`);
     return { picture: await answer.blob(), count: Number(answer.headers.get("Page-Count") ?? page) };
   },
+  /** A file that the service makes of the plan, beside the report; an ApiError says why it cannot. */
+  madeOfPlan: async (report: string, name: string): Promise<Blob> => (await ask(report.replace("report.pdf", name))).blob(),
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links"> & Partial<Pick<Fit, "cuts">>>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   /** Predicts a stance that was not scanned; the same prediction is made once. */

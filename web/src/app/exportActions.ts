@@ -1,11 +1,12 @@
 // Files that the page makes itself: the picture of the view, and the distances as a table.
+import { client } from "../api/client";
 import { distancesCsv } from "../fit/distances/distances";
 import { toText } from "../drawing/lines/files";
 import type { DrawingSlice } from "../drawing/state";
 import type { FitSlice } from "../fit/state";
 import { fileName, type ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
-import { withProblem } from "../store/problems";
+import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { saveBlob, saveFile } from "../ui/dom";
 import * as text from "./text";
@@ -30,6 +31,17 @@ export function exportActions(store: Store<PageSlice & ScanSlice & FitSlice & Dr
     saveLines: (): void => {
       const { scan, fit, drawn } = store.get();
       if (scan) saveFile(fileName(scan, text.files.lines, fit?.result?.stance), toText(drawn.lines.present, { patient: scan.info.patient_code, scans: [scan.info.sha256] }), "application/json");
+    },
+
+    /** A file that the service makes of the plan on this fit; why it cannot is said as the page's problem. */
+    async saveOfPlan(kind: "template"): Promise<void> {
+      const { scan, fit } = store.get();
+      if (!scan || !fit) return;
+      try {
+        saveBlob(fileName(scan, text.files.ofPlan[kind], fit.result?.stance), await client.madeOfPlan(fit.links.report, text.files.ofPlan[kind]));
+      } catch (error) {
+        store.set((state) => withProblem(state, "page", messageOf(error)));
+      }
     },
 
     saveDistances: (): void => {

@@ -3,6 +3,7 @@
 export const files = {
   scale: "10 cm at the middle of the body",
   saveAs: "view.png",
+  ofPlan: { template: "template.pdf" },
   lines: "lines.json",
   linesHint: "drawn by hand on this scan, mm in its frame",
   distances: "distances.csv",

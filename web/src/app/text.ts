@@ -40,6 +40,7 @@ export const handover = {
   shareHint: "A page for a colleague, for some days; the model, and what else you choose",
   measures: "Measures",
   measuresHint: "Lengths, symmetry and volumes",
+  ofPlan: { template: ["Template", "The plan in true size, laid flat: print it, cut it out, lay it on the skin"] } as const,
   files: "Files for programs",
   none: "Fit the model to the scan first.",
   before: "Before you print",

@@ -69,6 +69,23 @@ def show_report_page(fit_id: str, query_data: PageQuery) -> Response:
     return response
 
 
+@reports.get("/<fit_id>/template.pdf")
+@reports.doc(
+    operation_id="getTemplate",
+    responses={200: file_of(PDF, "Sheets of A4 to print at 100 %, and how far off each line is"), 409: "Not done"},
+)
+def show_template(fit_id: str) -> Response:
+    """The plan in true size, laid flat, PDF
+
+    Skin around the planned lines of each side, to be cut out and laid on notch and nipple in the position of the scan.
+    422 says why lines cannot be laid flat.
+    """
+    _check_done(fit_id, None)
+    made = app_context().service.reports
+    content, scans = in_memory(made.template(fit_id)), [get_fit(app_context().service.storage, fit_id).scan]
+    return app_context().patients_file(scans, content, PDF, made.file_name("template.pdf", fit_id))
+
+
 @reports.get("/<fit_id>/measures.json")
 @reports.input(ReportQuery, location="query")
 @reports.output(wire_files.MeasuresFile, description="Measures of one stance, or of two and their changes")

@@ -19,6 +19,9 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
   const measures = button(words.measures, () => void actions.stances.measures(true), "outlined wide", "tape");
   measures.id = "measures";
   measures.title = words.measuresHint;
+  const template = button(words.ofPlan.template[0], () => void save("template", template), "outlined wide", "download");
+  template.id = "template";
+  template.title = words.ofPlan.template[1];
   const files = el("ul", { class: "files" });
   const table = button(text.files.distances, actions.files.saveDistances, "link", "download");
   table.title = text.files.distancesHint;
@@ -28,8 +31,14 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
   const list = el("ul", { class: "unchecked" });
   const before = el("section", { class: "panel", "aria-label": words.before }, el("h2", {}, words.before), list);
   const forPrograms = el("details", { class: "file-list" }, el("summary", {}, words.files), files, table, lines);
-  const done = el("div", { class: "panel" }, before, el("h2", {}, words.handOn), share, measures);
+  const done = el("div", { class: "panel" }, before, el("h2", {}, words.handOn), share, measures, template);
   const element = el("div", { class: "panel hand-over" }, none, done, forPrograms);
+
+  async function save(kind: "template", from: HTMLButtonElement): Promise<void> {
+    from.disabled = true; // it takes some seconds
+    await actions.files.saveOfPlan(kind);
+    from.disabled = false;
+  }
 
   async function go({ way, isOther }: Unchecked): Promise<void> {
     if (way === "scan") actions.stances.dialog(true);

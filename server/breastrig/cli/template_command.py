@@ -1,0 +1,32 @@
+"""A template in true size of one fit's planned lines: the skin around them laid flat on A4 sheets, to print, cut out
+and lay on notch and nipple.  Says of each line how far off it is on the paper."""
+
+import argparse
+
+from breastrig.cli.interruption import raise_if_asked
+from breastrig.cli.output_options import add_output_options, add_plan_options
+from breastrig.use.guides.write_template import write_template
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    add_plan_options(parser, "shown")
+    parser.add_argument(
+        "--code", default="", metavar="CODE", help="the patient's code, never a name; by default that of the fit"
+    )
+    add_output_options(parser, "FILE", "the PDF")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Writes the PDF; returns 0."""
+    write_template(
+        options.fit,
+        options.output,
+        options.other,
+        plan=options.plan,
+        code=options.code,
+        same_patient=options.same_patient,
+        force=options.force,
+        model=options.model,
+        asked_to_stop=raise_if_asked,
+    )
+    return 0

@@ -1,0 +1,1 @@
+"""What guides the pen on the skin, of a fit and its plan."""
