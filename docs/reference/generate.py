@@ -428,7 +428,7 @@ def setting_row(name: str, setting: Setting) -> tuple[str, ...]:
 
 FILE_MODULES: Mapping[str, tuple[str, ...]] = {  # the rooms of scan/ by what their sentences are about
     "unit and size": tuple(
-        f"scan/{name}.py" for name in ("units", "true_size", "limits", "read", "untrusted", "winding")
+        f"scan/{name}.py" for name in ("units", "unscaled", "true_size", "limits", "read", "untrusted", "winding")
     ),
     "formats": ("scan/file_type.py", "scan/formats/**/*.py", "scan/point_clouds/*.py"),
     "colours": ("scan/pictures/*.py", "scan/piece.py"),

@@ -9,6 +9,7 @@ from helpers.problems import problem
 from helpers.waiting import ended, until
 
 from breastrig.core.glb import split_glb
+from breastrig.scan.unscaled import UNKNOWN_SIZE
 from breastrig.service.service import Service
 
 PICKS = {"nipple_L": [70.0, 350.0, 120.0], "nipple_R": [-70.0, 350.0, 120.0]}
@@ -92,6 +93,18 @@ def test_two_places_and_a_number_are_enough(client: FlaskClient, scan_id: str) -
     again = dict(zip(("from", "to"), found["ends"], strict=True))  # in the present size
     found = client.put(place, json=again | {"length_mm": 140.0}).json["scale"]
     assert (found["factor"], found["measured_mm"]) == (pytest.approx(1.0), pytest.approx(140.0))
+
+
+def test_a_scan_of_unknown_size_asks_for_a_length_until_it_has_one(client: FlaskClient, torso: bytes) -> None:
+    before, begins, rest = torso.partition(b"element vertex")
+    file = before + b"comment Created with AliceVision\n" + begins + rest
+    scan = client.post("/api/scans", data={"file": (BytesIO(file), "torso.ply")}).json
+    assert (scan["size_known"], scan["notes"]) == (False, [UNKNOWN_SIZE])
+    length = {"from": PICKS["nipple_L"], "to": PICKS["nipple_R"], "length_mm": 147.0}
+    found = client.put(f"{scan['links']['self']}/length", json=length).json
+    assert found["size_known"]
+    assert UNKNOWN_SIZE not in found["notes"]
+    assert not client.delete(f"{scan['links']['self']}/length").json["size_known"]
 
 
 @pytest.mark.parametrize(

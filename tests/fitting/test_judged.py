@@ -18,7 +18,7 @@ from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.starts.orientation import start_from_landmarks
 from breastrig.fitting.task import PickIssue
-from breastrig.fitting.uncertainty.radii import radii
+from breastrig.fitting.uncertainty.radii import HOLDS_90, radii
 from breastrig.fitting.verdicts import verdict as judge_module
 from breastrig.fitting.verdicts import verdict as verdict_module
 from breastrig.fitting.verdicts.fit_signals import FitSignals
@@ -27,6 +27,7 @@ from breastrig.fitting.verdicts.verdict import Verdict, judge, unusual_size, ver
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.least_squares.newton import Status
 from breastrig.rig.model import Rig
+from breastrig.scan.unscaled import unscaled
 
 NONE = GivenLandmarks(picked=0, left=0, followed=0)
 FACTORS = {state: {"other": times} for state, times in (("seen_alone", 0.5), ("hidden_alone", 9.0), ("alone", 3.0))}
@@ -68,6 +69,22 @@ def test_an_unclear_start_makes_the_lines_less_sure_and_the_verdict_says_how_far
     far = "Lines may be far off; "
     assert any(reason.startswith(far) for reason in found.verdict.reasons) == (wanted.lines > limits.lines.check)
     assert (wanted.lines > limits.lines.check) == (clearness < 0.2)
+
+
+def test_an_unknown_size_is_in_every_error_and_the_verdict_notes_it(alone: Posterior) -> None:
+    known, unknown = (judge(alone, Status.CONVERGED, NONE, clearness=0.3, size_known=each) for each in (None, False))
+    at, deviation = alone.state.vertices, unscaled().deviation
+    away = at - at[known.radii.seen].mean(axis=0)
+    share = HOLDS_90 * deviation * np.linalg.norm(away, axis=1)
+    np.testing.assert_allclose(unknown.radii.vertices, np.hypot(known.radii.vertices, share))
+    rig = alone.task.rig
+    points = rig.landmark_points().positions(away, rig.faces).ravel()
+    np.testing.assert_allclose(unknown.radii.joint, known.radii.joint + deviation**2 * np.outer(points, points))
+    assert unknown.radii.lines > known.radii.lines
+    said = "The size of this scan is not known, and all errors allow for 4 % of it; "
+    assert [each.startswith(said) for each in unknown.verdict.reasons].count(True) == 1
+    assert known.verdict.reasons == tuple(each for each in unknown.verdict.reasons if not each.startswith(said))
+    assert known.verdict.level == unknown.verdict.level
 
 
 def test_the_breasts_are_judged_by_their_own_signals(alone: Posterior, monkeypatch: pytest.MonkeyPatch) -> None:

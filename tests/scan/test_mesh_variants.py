@@ -694,6 +694,7 @@ def test_the_unit_of_a_usd_is_its_own_unless_no_body_has_this_size_in_it(
     assert scan.unit == unit
     assert np.ptp(scan.vertices[:, 1]) == pytest.approx(np.ptp(VERTICES[:, 1]), abs=1e-5)
     assert ("which no torso is" in scan.unit_reason) == (units == "auto" and head != "metersPerUnit = 1")
+    assert scan.size_known == (head != "" or units != "auto")
 
 
 def test_a_usd_of_several_layers_is_read_from_its_package_alone(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,6 +12,7 @@ import trimesh
 from helpers.plain_report import white
 
 import breastrig
+from breastrig.batch.table import numbers_of
 from breastrig.cli.main import main
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadLandmarks
@@ -23,7 +24,9 @@ from breastrig.rendering.picture import Scene
 from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.landmark_files import read_landmarks
 from breastrig.scan.true_size import length_of, true_size
+from breastrig.scan.unscaled import UNKNOWN_SIZE
 from breastrig.use.folder.cohort import cohort_in
+from breastrig.use.reports.report import ReportJob, measures_csv_of
 from breastrig.use.reports.share_snapshot import SnapshotJob, snapshot_files
 
 EXAMPLE = asset_folder("example")
@@ -186,6 +189,29 @@ def test_a_link_shows_all_in_the_true_size_and_no_name_of_a_mark(
             mesh = trimesh.load(io.BytesIO(files["mesh.glb"]), file_type="glb", force="mesh")
             places = true.metres_per_unit * true.scan_vertices
             np.testing.assert_allclose(mesh.bounds, [places.min(axis=0), places.max(axis=0)], atol=1e-4)
+
+
+@pytest.mark.slow
+def test_a_size_that_the_file_does_not_say_is_asked_for_and_in_all_errors(
+    fits: tuple[breastrig.Fit, breastrig.Fit], length: float, tmp_path: Path, capsys
+) -> None:
+    before, begins, rest = (EXAMPLE / "standing" / "scan.ply").read_bytes().partition(b"element vertex")
+    (tmp_path / "scan.ply").write_bytes(before + b"comment Created with AliceVision\n" + begins + rest)
+    picks = str(EXAMPLE / "standing" / "landmarks.json")
+    assert main(["fit", str(tmp_path / "scan.ply"), "--landmarks", picks, "-o", str(tmp_path / "out")]) == 0
+    asked = "The size of this scan is not known, and all errors allow for 4 % of it; measure on the patient "
+    assert asked in capsys.readouterr().err
+    unknown, known = breastrig.Fit.load(tmp_path / "out").result, fits[0].result
+    assert (unknown["size_known"], "size_known" in known) == (False, False)
+    assert unknown["line_error_mm"] > known["line_error_mm"] + 1.0
+    assert all(unknown["landmark_uncertainty_mm"][name] > mm for name, mm in known["landmark_uncertainty_mm"].items())
+    assert unknown["landmarks"] == known["landmarks"]
+    [reason] = unknown["verdict"]["reasons"]
+    assert reason.startswith(asked)
+    row = numbers_of((tmp_path / "out" / "result.json").read_bytes(), measures_csv_of(ReportJob(tmp_path / "out")))
+    assert list(row.items())[-1] == ("size", UNKNOWN_SIZE)
+    scaled = breastrig.fit(tmp_path / "scan.ply", picks, refine=False, length=(*ENDS, length)).result
+    assert ("size_known" in scaled, scaled["verdict"]["reasons"]) == (False, [])
 
 
 @pytest.mark.slow

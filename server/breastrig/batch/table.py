@@ -9,6 +9,7 @@ from typing import Any
 from breastrig.core.documents import csv_table
 from breastrig.core.private_files import write_private
 from breastrig.files.result import ResultFile
+from breastrig.scan.unscaled import UNKNOWN_SIZE
 
 NUMBERS = {  # column -> its place in result.json
     "stance": ("stance",),
@@ -29,6 +30,7 @@ NUMBERS = {  # column -> its place in result.json
 
 TIMES = ("solve_s", "total_s")  # all other columns are the same wherever and however often a fit runs
 MISSING = "drawing_missing"
+SIZE = "size"  # the last column, where the size of a scan is not known
 FIRST = ("name", "state", "reason")
 COLUMNS = (*FIRST, *NUMBERS, MISSING)
 FILE = "batch.csv"
@@ -75,10 +77,11 @@ def numbers_of(result_json: bytes, measures_csv: bytes) -> dict[str, Any]:
             value = value[key] if isinstance(value, dict) else getattr(value, key, None)
         numbers[column] = value
     numbers[MISSING] = " ".join(result.drawing_missing) or None
-    return numbers | _measures(measures_csv)
+    asked = {} if result.size_known else {SIZE: UNKNOWN_SIZE}
+    return numbers | _measures(measures_csv) | asked
 
 
-def _measures(measures_csv: bytes) -> dict[str, float]:
+def _measures(measures_csv: bytes) -> dict[str, Any]:
     """Measures by column: notch_nipple_skin_left_mm, notch_nipple_skin_left_low_mm, ...: each with its band's ends."""
     numbers = {}
     for row in csv.DictReader(measures_csv.decode().splitlines()):

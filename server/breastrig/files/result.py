@@ -298,6 +298,11 @@ class ResultFile(Document):
     scale: ResultScale | None = Field(
         None, exclude_if=not_, description="by which the scan was scaled to its true size; absent where it was not"
     )
+    size_known: bool = Field(
+        default=True,
+        exclude_if=lambda found: found,
+        description="false where the scan's file does not say how large the patient is; all errors allow for it",
+    )
     marks: dict[str, ResultMark] = Field(
         {}, exclude_if=not_, description="named places on the skin beside the landmarks, by name; absent without any"
     )

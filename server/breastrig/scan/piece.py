@@ -94,6 +94,7 @@ class Pieces:
     cloud: PointCloud | None = None  # where there are points and no triangles at all
     unit: str | None = None  # that the file names
     unit_by_default: bool = False  # that its format means where a file names none
+    is_unscaled: bool = False  # of a program whose scans have a size that nobody has measured (unscaled.py)
     is_label_map: bool = False
     lesions: tuple[BallInside, ...] = ()
     segments: tuple[TakenSegment, ...] = ()

@@ -28,6 +28,7 @@ from breastrig.scan.piece import PARTLY_COLOURED, UNCOLOURED, BallInside, Piece,
 from breastrig.scan.scan import Scan
 from breastrig.scan.stored_scan import STORED, read_stored
 from breastrig.scan.units import decide_unit, extent
+from breastrig.scan.unscaled import NO_SCALE, comments, names_unscaled
 from breastrig.scan.untrusted import bytes_of, guarded
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 from breastrig.scan.volumes.gzipped import GZIP_START, gunzipped
@@ -92,6 +93,8 @@ def read_scan(
         raise BadSettings("This scan is no label map and no MRI; frame, segments and series are for those alone.")
     kept = (units, answers) if is_volume else (files, texture)
     pieces = guarded(found, partial(_volume if is_volume else _pieces, mesh, found, *kept))
+    if names_unscaled(comments(mesh, found)):
+        pieces = replace(pieces, is_unscaled=True)
     return _of_pieces(pieces, hashlib.sha256(data).hexdigest(), units, for_display, sorting)
 
 
@@ -100,7 +103,7 @@ def _of_pieces(pieces: Pieces, sha256: str, units: str, for_display: bool, sorti
     from_points = pieces.cloud is not None and not pieces.pieces
     if from_points and pieces.cloud is not None:
         cloud = _sound_points(pieces.cloud)
-        unit, reason = decide_unit(extent(cloud.points), units)
+        unit, reason = _unit(pieces, extent(cloud.points), units)
         from breastrig.scan.point_clouds.surface_from_points import (  # few scans are points
             FROM_POINTS,
             surface_from_points,
@@ -118,7 +121,7 @@ def _of_pieces(pieces: Pieces, sha256: str, units: str, for_display: bool, sorti
         unit, reason = (
             ("mm", f"{what} has a unit of its own; what it shows is {1e-3 * across:.3g} m across.")
             if what
-            else decide_unit(across, units, pieces.unit, pieces.unit_by_default)
+            else _unit(pieces, across, units)
         )
     notes = (*sorting, *notes)
     scan = _scan(whole, unit, reason, sha256, notes, for_display, from_points)
@@ -129,12 +132,23 @@ def _of_pieces(pieces: Pieces, sha256: str, units: str, for_display: bool, sorti
         from_label_map=pieces.is_label_map,
         from_image=pieces.image is not None,
         image=pieces.image,
+        size_known=not (pieces.is_unscaled or (pieces.unit_by_default and units == "auto")),
         lesions=inside,
         seen=tuple(SeenLandmark(each.name, metres * each.place, metres * each.radius) for each in pieces.seen),
         segments=pieces.segments,
         stated_stance=pieces.stance,
         wall=None if pieces.wall is None else (metres * pieces.wall[0], pieces.wall[1]),
     )
+
+
+def _unit(pieces: Pieces, across: float, units: str) -> tuple[str, str]:
+    """As `decide_unit`."""
+    try:
+        return decide_unit(across, units, pieces.unit, pieces.unit_by_default)
+    except BadScan as error:
+        if not pieces.is_unscaled:
+            raise
+        raise BadScan(f"{error} {NO_SCALE}") from error
 
 
 def _image_in(source: Path | bytes, units: str, answers: VolumeAnswers) -> Pieces | bytes | None:

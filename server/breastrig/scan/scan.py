@@ -44,6 +44,7 @@ class Scan:
     wall: tuple[Array, Integers] | None = None  # (V, 3) m the chest wall that its file names, (F, 3) towards the front
     segments: tuple[TakenSegment, ...] = ()  # of a label map, and what each was taken for
     true_size: TrueSize | None = None  # that it was scaled to; None: it has the size of its file
+    size_known: bool = True  # False: its file does not say how large the patient is (unscaled.py)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", frozen(self.vertices))
@@ -79,7 +80,8 @@ class Scan:
             raise BadLandmarks("An image has its true size already; leave the length out.")
         if self.true_size is not None:
             raise BadLandmarks("This scan has its true size already, by another length; leave this one out.")
-        return replace(self, vertices=size.factor * self.vertices, notes=(*self.notes, size.note), true_size=size)
+        vertices, notes = size.factor * self.vertices, (*self.notes, size.note)
+        return replace(self, vertices=vertices, notes=notes, true_size=size, size_known=True)
 
     @cached_property
     def shows_colour(self) -> bool:

@@ -26,6 +26,8 @@ OF_VOLUMES = ("from_label_map", "from_image")
 def write_stored(scan: Scan, path: Path) -> None:
     """Writes the scan to the file `path`.  Raises OSError."""
     facts = {name: getattr(scan, name) for name in FACTS}
+    if not scan.size_known:
+        facts["size_known"] = False
     if scan.in_patient_frame:
         facts |= {name: getattr(scan, name) for name in OF_VOLUMES}
         facts["stated_stance"] = scan.stated_stance
@@ -71,6 +73,7 @@ def _read(path: Path, texture: bool, for_display: bool) -> Scan:
                 picture=None if jpeg is None else picture,
                 **{name: facts[name] for name in FACTS} | {"notes": tuple(facts["notes"])},
                 **{name: facts.get(name, False) for name in OF_VOLUMES},
+                size_known=facts.get("size_known", True),
                 stated_stance=facts.get("stated_stance"),
                 seen=tuple(SeenLandmark(name, np.array(at), r) for name, at, r in facts.get("seen", [])),
                 wall=(arrays["wall_vertices"], arrays["wall_faces"]) if "wall_faces" in arrays else None,

@@ -18,6 +18,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput, BadLandmarks
 from breastrig.core.picks import Length
+from breastrig.scan.unscaled import UNKNOWN_SIZE
 
 LEAST, MOST = (
     0.8,
@@ -138,7 +139,8 @@ def facts_in(facts: dict[str, Any], size: TrueSize) -> dict[str, Any]:
     return found | {
         "cut_away_cm2": round(factor**2 * facts.get("cut_away_cm2", 0)),
         "size_doubt": "",
-        "notes": [*facts.get("notes", ()), size.note],
+        "size_known": True,
+        "notes": [*(each for each in facts.get("notes", ()) if each != UNKNOWN_SIZE), size.note],
         "orientation": None,
         "scale": scale_facts(size),
     }

@@ -31,6 +31,7 @@ from breastrig.scan.piece import TakenSegment
 from breastrig.scan.read import read_scan
 from breastrig.scan.stored_scan import write_stored
 from breastrig.scan.units import extent, size_doubt
+from breastrig.scan.unscaled import UNKNOWN_SIZE
 from breastrig.scan.volumes.answers import NOTHING_SAID, VolumeAnswers
 
 
@@ -108,6 +109,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "size_doubt": size_doubt(
             extent(ready.target.vertices[ready.target.faces[:, 0]]), scan.unit, scan.in_patient_frame
         ),
+        "size_known": scan.size_known,
         "vertices": len(scan.vertices),
         "triangles": len(scan.faces),
         "body_triangles": body_triangles,
@@ -115,7 +117,7 @@ def _read(job: UploadJob) -> dict[str, Any]:
         "size_m": np.ptp(body @ orientation.start.rotation, axis=0).tolist(),
         "colours": scan.colour_kind,
         "reconstructed_from_points": scan.from_points,
-        "notes": [*scan.notes, *ready.surface.notes],
+        "notes": [*scan.notes, *ready.surface.notes, *(() if scan.size_known else (UNKNOWN_SIZE,))],
         "lesions": [
             {"name": each.name, "center": (1e3 * each.center).tolist(), "radius_mm": 1e3 * each.radius}
             for each in scan.lesions

@@ -35,8 +35,8 @@ def fitted(torso: Rig) -> Posterior:
     return Posterior(replace(task, relief=last.relief), last.parameters)
 
 
-def basis_of(posterior: Posterior) -> CheckBasis:
-    known = radii(posterior)
+def basis_of(posterior: Posterior, deviation: float = 0.0) -> CheckBasis:
+    known = radii(posterior, size_deviation=deviation)
     assert known is not None
     return check_basis(posterior, known, {}, posterior.task.picked)
 
@@ -78,8 +78,13 @@ def test_open_are_the_landmarks_that_the_scan_shows_and_nobody_has_picked(torso:
     assert not part.open[names.index("xiphoid")], "in a hole"
 
 
-def test_places_lie_on_the_scan_and_the_breasts_narrow_from_check_to_check(torso: Rig, fitted: Posterior) -> None:
-    basis, known = basis_of(fitted), radii(fitted)
+@pytest.mark.parametrize("deviation", [0.0, 0.03])
+def test_places_lie_on_the_scan_and_the_breasts_narrow_from_check_to_check(
+    deviation: float, torso: Rig, fitted: Posterior
+) -> None:
+    basis, known = basis_of(fitted, deviation), radii(fitted, size_deviation=deviation)
+    np.testing.assert_array_equal(basis.places.radii, basis_of(fitted).places.radii)
+    basis = read_basis(basis_bytes(basis), torso, fitted.state.x)
     gaps = np.linalg.norm(fitted.task.target.search.query(basis.places.points).points - basis.places.points, axis=1)
     assert gaps.max() < 1e-9
     vertices, widths = basis.widths([on_vertices(part) for part in planned_on(torso, known.seen)])

@@ -189,6 +189,8 @@ export type ExampleScan = {
   unit_reason: string;
   /** why the unit or the export may be wrong; empty for an ordinary size */
   size_doubt?: string;
+  /** false: its file is of an app without a scale, or names no unit; errors are larger until a length is given (putLength) */
+  size_known?: boolean;
   vertices: number;
   triangles: number;
   /** so many of the mesh, the first ones, are the body; missing in scans of an older version */
@@ -1333,6 +1335,8 @@ export type ResultFile = {
   landmarks_picked: Record<string, [number, number, number]>;
   /** by which the scan was scaled to its true size; absent where it was not */
   scale?: ResultScale | null;
+  /** false where the scan's file does not say how large the patient is; all errors allow for it */
+  size_known?: boolean;
   /** named places on the skin beside the landmarks, by name; absent without any */
   marks?: Record<string, ResultMark>;
   /** marks that lie off the scan's skin */
@@ -1438,6 +1442,8 @@ export type Scan = {
   unit_reason: string;
   /** why the unit or the export may be wrong; empty for an ordinary size */
   size_doubt?: string;
+  /** false: its file is of an app without a scale, or names no unit; errors are larger until a length is given (putLength) */
+  size_known?: boolean;
   vertices: number;
   triangles: number;
   /** so many of the mesh, the first ones, are the body; missing in scans of an older version */

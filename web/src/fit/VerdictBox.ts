@@ -4,7 +4,7 @@ import { ANY_FILE, button, fileButton } from "../ui/controls";
 import { el, fill, icon, setText, show } from "../ui/dom";
 import { fingersMark, fingersOf, wideOf } from "./fingers";
 import type { Outdated } from "./outdated";
-import { FAR_LINES, levelOf, marginOf, type linesOn, UNUSUAL_SIZE } from "./verdict";
+import { asksForLength, FAR_LINES, levelOf, marginOf, type linesOn } from "./verdict";
 import * as text from "./text";
 
 const words = text.verdict;
@@ -59,7 +59,7 @@ export function createVerdictBox(ways: WaysOut | null) {
           said,
           ...(asks.outcome === "" ? [] : [el("p", { class: "verdict-outcome" }, asks.outcome)]),
           ...reasons.map((reason) => el("p", { class: "muted" }, reason)),
-          ...(ways && reasons.some((reason) => reason.startsWith(UNUSUAL_SIZE)) ? [button(words.giveLength, () => ways.giveLength(), "outlined")] : []),
+          ...(ways && reasons.some(asksForLength) ? [button(words.giveLength, () => ways.giveLength(), "outlined")] : []),
         ];
       });
     },

@@ -22,7 +22,10 @@ export interface WithLines {
   readonly drawn: { readonly onScan: { readonly plan: { readonly shapes: Drawn } } | null };
 }
 
-export const UNUSUAL_SIZE = "The trunk is "; // and that the scan may have no true scale
+const SIZE_ASKED = ["The trunk is ", "The size of this scan is not known"]; // and that the scan may have no true scale
+
+/** Whether a length that was measured on the patient would answer it. */
+export const asksForLength = (reason: string): boolean => SIZE_ASKED.some((words) => reason.startsWith(words));
 export const FAR_LINES = "Lines may be far off"; // how the service begins to say what the width of the lines says here
 
 /** How far off lines may be, across them: those that are drawn on this scan, else any on the breasts; null: not known. */

@@ -226,6 +226,11 @@ class Scan(Wire):
     unit: Literal["m", "dm", "cm", "mm", "in", "ft"] = Field(description="unit that the file was read in")
     unit_reason: str
     size_doubt: str = Field("", description="why the unit or the export may be wrong; empty for an ordinary size")
+    size_known: bool = Field(
+        default=True,
+        description="false: its file is of an app without a scale, or names no unit; errors are larger until a length "
+        "is given (putLength)",
+    )
     vertices: int
     triangles: int
     body_triangles: int | None = Field(

@@ -4,8 +4,8 @@ A pick replaces what colours, form or its partner showed of the landmark, and te
 (fitting/body/landmarks.py), as in the fit that would follow.
 
 In its file: float64, the covariance's upper triangle row by row, for each vertex the factor from its deviation to its
-radius once a landmark is picked, and whether it is seen, two numbers, then NUMBERS for each landmark of the rig; empty
-where nothing can be checked.
+radius once a landmark is picked, and whether it is seen, two numbers, then NUMBERS for each landmark of the rig, and
+where the scan's size is not known a number more for each vertex; empty where nothing can be checked.
 """
 
 import math
@@ -90,7 +90,7 @@ class CheckBasis:
     covariance: Array  # (P, P) of a step from the fit's parameters
     once_picked: Array  # (V,) from a vertex's deviation to its radius as soon as a landmark is picked
     seen: Booleans  # (V,) vertices on skin that the scan shows
-    lost: float  # m, in every radius: for the chance that the body lies another way
+    lost: Array | float  # m, (V,) or one for all, in radii whatever is picked: for another way to lie, or another size
     observable: Observable
     places: Places
 
@@ -114,7 +114,8 @@ class CheckBasis:
         """((N,) vertices of the model on which the lines lie, the widths of the lines on these)."""
         vertices = np.unique(np.concatenate([line.corners.ravel() for line in lines]))
         own = [replace(line, corners=np.searchsorted(vertices, line.corners)) for line in lines]
-        return vertices, Widths(own, self.once_picked[vertices], self.lost)
+        lost = self.lost[vertices] if isinstance(self.lost, np.ndarray) else self.lost
+        return vertices, Widths(own, self.once_picked[vertices], lost)
 
 
 def check_basis(
@@ -126,7 +127,8 @@ def check_basis(
     """
     places = places_of(posterior, known, seen)
     observable = observable_landmarks(posterior, places.shown, checked)
-    return CheckBasis(posterior.covariance(), known.once_picked, known.seen, known.lost, observable, places)
+    lost = np.hypot(known.lost, known.size) if isinstance(known.size, np.ndarray) else known.lost
+    return CheckBasis(posterior.covariance(), known.once_picked, known.seen, lost, observable, places)
 
 
 def on_vertices(vertices: Integers) -> ModelLine:
@@ -147,8 +149,10 @@ def basis_bytes(basis: CheckBasis | None) -> bytes:
     for index, (_, shared) in observable.partners.items():
         rows[index, 15] = shared
     covariance = basis.covariance[np.triu_indices(len(basis.covariance))]
-    single = np.array([basis.lost, observable.pick])
-    return np.concatenate([covariance, basis.once_picked, basis.seen, single, rows.ravel()]).astype("<f8").tobytes()
+    each = basis.lost if isinstance(basis.lost, np.ndarray) else np.zeros(0)
+    single = np.array([0.0 if len(each) else basis.lost, observable.pick])
+    parts = [covariance, basis.once_picked, basis.seen, single, rows.ravel(), each]
+    return np.concatenate(parts).astype("<f8").tobytes()
 
 
 def read_basis(content: bytes, rig: Rig, x: RigParameters) -> CheckBasis | None:
@@ -156,12 +160,12 @@ def read_basis(content: bytes, rig: Rig, x: RigParameters) -> CheckBasis | None:
     names, size = tuple(rig.landmark_names), x.dof
     vertices = len(rig.template)
     counts = np.cumsum([size * (size + 1) // 2, vertices, vertices, 2, NUMBERS * len(names)])
-    if len(content) != 8 * counts[-1]:
+    if len(content) not in (8 * counts[-1], 8 * (counts[-1] + vertices)):
         return None
     numbers = np.frombuffer(content, dtype="<f8").astype(np.float64)
     if not np.isfinite(numbers).all():
         return None
-    upper, once_picked, seen, single, rows = np.split(numbers, counts[:-1])
+    upper, once_picked, seen, single, rows, each = np.split(numbers, counts)
     rows = rows.reshape(len(names), NUMBERS)
     covariance = np.zeros((size, size))
     covariance[np.triu_indices(size)] = upper
@@ -175,4 +179,5 @@ def read_basis(content: bytes, rig: Rig, x: RigParameters) -> CheckBasis | None:
     }
     observable = Observable(names, rows[:, 0] > 0.0, float(single[1]), replaced, partners, beside)
     places = Places(rows[:, 1:4], rows[:, 4:7], rows[:, 7], rows[:, 8] > 0.0)
-    return CheckBasis(covariance, once_picked, seen > 0.0, float(single[0]), observable, places)
+    lost = each if len(each) else float(single[0])
+    return CheckBasis(covariance, once_picked, seen > 0.0, lost, observable, places)

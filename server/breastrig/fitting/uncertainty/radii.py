@@ -126,6 +126,7 @@ class Radii:
     seen: Booleans  # (V,) vertices on skin that the scan shows
     once_picked: Array  # (V,) from deviations to radii as soon as a landmark is picked
     lost: float  # in all of them: for the chance that the body lies another way
+    size: Array | float = 0.0  # (V,) m, in those of vertices: for a size that is not known
 
 
 PLANNED_ON = "breast"  # beginnings of the names of regions on which lines are planned; of a rig without, all of it
@@ -146,11 +147,14 @@ def planned_on(rig: Rig, seen: Booleans) -> list[Integers]:
     return [members for members in shown if len(members)] or [np.arange(len(seen))]
 
 
-def radii(posterior: Posterior, margin: float | None = None, *, expected: bool = False) -> Radii | None:
+def radii(
+    posterior: Posterior, margin: float | None = None, *, expected: bool = False, size_deviation: float = 0.0
+) -> Radii | None:
     """The radii of a fit; None for a model without a calibration.
 
     `margin` is the clarity of its start, where the scan alone has placed it (Start.margin). Landmarks' radii are around
-    the model's, or around the `expected` ones (body/landmarks.py).
+    the model's, or around the `expected` ones (body/landmarks.py). A size of that standard deviation, a share, moves
+    places from the middle of the skin that the scan shows.
     """
     rig, task = posterior.task.rig, posterior.task
     known = calibration(rig)
@@ -166,12 +170,17 @@ def radii(posterior: Posterior, margin: float | None = None, *, expected: bool =
     larger = np.repeat(times / HOLDS_90, 3)
     joint = larger[:, None] * posterior.joint_landmark_covariance(names) * larger
     joint += (lost / HOLDS_90) ** 2 / 3.0 * np.eye(len(joint))  # where else each lies is not known
+    at, middle = posterior.state.vertices, posterior.state.vertices[seen if seen.any() else ~seen].mean(axis=0)
+    moved = size_deviation * (rig.landmark_points(names).positions(at, rig.faces) - middle).ravel()
+    joint += np.outer(moved, moved)
+    size = HOLDS_90 * size_deviation * np.linalg.norm(at - middle, axis=1)
     at_landmarks = HOLDS_90 * np.sqrt(np.diag(joint).reshape(-1, 3).sum(axis=1))
     scattered = strained * np.where(seen, elsewhere, max(elsewhere, 1.0))
     now, once_picked = (scattered * skin_factors(posterior, factors, seen, picked=when) for when in (None, True))
-    at_vertices = np.hypot(now * np.sqrt(posterior.vertex_variances()), lost)
+    at_vertices = np.hypot(now * np.sqrt(posterior.vertex_variances()), np.hypot(lost, size))
     landmarks = dict(zip(names, at_landmarks.tolist(), strict=True))
-    return Radii(landmarks, at_vertices, line_error(rig, at_vertices, seen), joint, seen, once_picked, lost)
+    lines = line_error(rig, at_vertices, seen)
+    return Radii(landmarks, at_vertices, lines, joint, seen, once_picked, lost, size if size_deviation else 0.0)
 
 
 def landmark_factors(posterior: Posterior, factors: StanceFactors, *, expected: bool = False) -> Array:

@@ -25,7 +25,7 @@ from breastrig.correspondence.distances import Comparison
 from breastrig.correspondence.target import ScanTarget
 from breastrig.fitting.posterior import Posterior
 from breastrig.fitting.task import PickIssue
-from breastrig.fitting.uncertainty.radii import Radii, radii, seen_vertices
+from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii, seen_vertices
 from breastrig.fitting.verdicts.fit_signals import FitSignals, fit_signals
 from breastrig.fitting.verdicts.reasons import GivenLandmarks, Reason, of_agreed, of_doubts, of_lesions, sentences
 from breastrig.least_squares.newton import Status
@@ -35,6 +35,7 @@ from breastrig.rig.near_breasts import near_breasts
 from breastrig.rig.similarity import body_axes
 from breastrig.rig.stance_priors import in_stance
 from breastrig.scan.piece import BallInside
+from breastrig.scan.unscaled import unscaled
 
 SEEN = 0.015  # m from the scan to a landmark that is seen
 AXES = {"left": 0, "up": 1}
@@ -92,6 +93,8 @@ OTHER_STANCE = "How far off a fit of a {} body may be has not been measured"
 LOOK_CLOSELY = "look at it closely"
 FAR = "With what is far from the breasts: "
 SIZE = "The trunk is {:.0f} % {} than most women's: the patient may be {}, or the scan without a true scale"
+UNKNOWN = "The size of this scan is not known, and all errors allow for {:.0f} % of it"
+MEASURE_ANY = "measure a straight length on the patient, and give it as the true size"
 MEASURE = (
     "measure on the patient the straight way from {} to {}, {:.0f} cm in this scan, "
     "and scale the scan where that is wrong"
@@ -192,7 +195,7 @@ def verdict(
     if limits is None and nothing:
         return Verdict("unusable", sentences((NO_SKIN, *broken, *asked)))
     if limits is None:
-        level: Level = "check" if stopped or asked else "uncalibrated"
+        level: Level = "check" if stopped or not all(each.note for each in asked) else "uncalibrated"
         return Verdict(level, sentences((*stopped, *asked, UNKNOWN_MODEL, *agreed)))
     limits = limits.in_stance(stance)
     everywhere = _against(signals, limits, given)
@@ -226,11 +229,23 @@ def unusual_size(
     if found is None or abs(found[1]) < limits.size.asked:
         return ()
     size, words = found[0] - 1.0, ("larger", "tall") if found[0] > 1.0 else ("smaller", "small")
-    ends = limits.size.lengths[0].ends
+    measure = _to_measure(limits.size, rig, vertices)
+    return (Reason(SIZE.format(100.0 * abs(size), *words), (measure,), note=abs(found[1]) < limits.size.unlikely),)
+
+
+def unknown_size(limits: VerdictLimits | None, rig: Rig, vertices: Array, deviation: float) -> Reason:
+    """A note for a size of this standard deviation, a share, with the length to measure."""
+    known = None if limits is None else limits.size
+    is_there = known is not None and {*known.lengths[0].ends} <= {*rig.landmark_names}
+    advice = _to_measure(known, rig, vertices) if known is not None and is_there else MEASURE_ANY
+    return Reason(UNKNOWN.format(100.0 * HOLDS_90 * deviation), (advice,), note=True)
+
+
+def _to_measure(limits: SizeLimits, rig: Rig, vertices: Array) -> str:
+    ends = limits.lengths[0].ends
     first, last = rig.landmark_points(ends).positions(vertices, rig.faces)
     labels = [next(each.label for each in rig.landmarks if each.name == end) for end in ends]
-    measure = MEASURE.format(*labels, 100.0 * float(np.linalg.norm(last - first)))
-    return (Reason(SIZE.format(100.0 * abs(size), *words), (measure,), note=abs(found[1]) < limits.size.unlikely),)
+    return MEASURE.format(*labels, 100.0 * float(np.linalg.norm(last - first)))
 
 
 def _against(signals: FitSignals, limits: VerdictLimits, given: GivenLandmarks) -> dict[str, float]:
@@ -296,14 +311,15 @@ def judge(
     lesions: Sequence[BallInside] = (),
     unclear_stance: bool = False,
     contradicted: bool = False,
-    size_known: bool = False,
+    size_known: bool | None = None,
     repeats: Callable[[], bool] = lambda: False,
 ) -> Judged:
     """`clearness`: Start.margin; `repeats`: whether the landmarks are proposals that a person has only agreed to.
 
     `lesions`: that the scan shows inside; `contradicted`: whether scan or landmarks show the body another way round
     than its file says.  Where that is so, or a lesion lies outside, no place of the fit is known.
-    `size_known`: a length of the patient has given the scan its size, which is no question then.
+    `size_known`: True where a length of the patient has given the scan its size, which is no question then; False where
+    nobody knows it, which widens all radii; None where it is that of the file.
     The stance is a question only where no landmarks place the fit: they are what moves the breasts.
     """
     rig, task, vertices = posterior.task.rig, posterior.task, posterior.state.vertices
@@ -316,16 +332,18 @@ def judge(
     if given.placed and shows_a_part(signals, limits):
         given = replace(given, repeated=repeats())
     inside, outside = of_lesions(rig, vertices, lesions)
-    known = radii(posterior, -np.inf if contradicted or outside else clearness)
+    deviation = unscaled().deviation if size_known is False else 0.0
+    known = radii(posterior, -np.inf if contradicted or outside else clearness, size_deviation=deviation)
     corners = rig.faces[rig.landmark_points().faces]
     far = {name for name, at in zip(rig.landmark_names, corners, strict=True) if not near[at].any()}
     stance = (UNCLEAR_STANCE,) if unclear_stance and not given.on_their_own else ()
-    size = () if size_known else unusual_size(limits, rig, vertices, task.target, task.stance)
+    unusual = () if size_known else unusual_size(limits, rig, vertices, task.target, task.stance)
+    size = (unknown_size(limits, rig, vertices, deviation),) if size_known is False and not unusual else unusual
     turned = (CONTRADICTED,) if contradicted else ()
     asked = (*turned, *inside, *of_doubts(doubts, far), *stance, *size)
     lines = None if known is None else known.lines
     said = verdict(signals, status, limits, given, asked, lines, task.stance, signals_near)
-    refusal = "" if said.is_torso else said.refusal(rig.name, given, unusual_size=bool(size))
+    refusal = "" if said.is_torso else said.refusal(rig.name, given, unusual_size=bool(unusual))
     return Judged(said, refusal, compared, known)
 
 

@@ -17,6 +17,7 @@ from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
 from breastrig.drawings.line_error import ACROSS, drawn_error
 from breastrig.files.result import Distances, ResultFile, SurfaceDistances
+from breastrig.fitting.uncertainty.radii import HOLDS_90
 from breastrig.report.bands import KNOWN_MM, margin_text, sure_text
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import OUTLINE
@@ -44,6 +45,7 @@ from breastrig.report.table import (
     printed_step,
     with_margin,
 )
+from breastrig.scan.unscaled import unscaled
 
 PAGE_PPI = 144.0  # of pages as pictures: 1190 x 1684 pixels, on which 6.5 point type is read on a screen and on paper
 TITLE = "Plan and measures from a 3D scan"
@@ -68,7 +70,7 @@ WARNINGS = {
 }
 METHODS = (  # a sentence, and the measure that it is about; none for what holds of all
     ("Left and right are the patient's; ± is the larger side of a band that contains nine of ten true values.", None),
-    ("All lengths and bands take the scan's size as true.", None),
+    (TRUE_SIZE := "All lengths and bands take the scan's size as true.", None),
     (f"{VAGUELY_KNOWN.capitalize()}: the band is wider than a tenth of the number.", None),
     ("Straight: distance in space. Along the skin: shortest path on the fitted model's skin, holes bridged.", None),
     ("Landmarks as picked, else as seen in the scan's colours, else of the model.", None),
@@ -89,6 +91,9 @@ METHODS = (  # a sentence, and the measure that it is about; none for what holds
         "glandular: only the lowest point hangs, 20 mm and more below the fold.",
         "ptosis",
     ),
+)
+NO_TRUE_SIZE = (
+    "The size of a scan is not known: lengths may be {:.0f} % off, volumes {:.0f} %, also beyond their bands."
 )
 ASKED = "These numbers were asked for on another scan; what is drawn there is measured in that scan's report."
 UNSEEN = "The scan shows no skin next to it: its depth is the model's guess."
@@ -170,7 +175,11 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
 def methods(stances: Sequence[Reported]) -> str:
     """The sentences on how the numbers of the tables were measured."""
     measured = {None, *(row.measure for one in stances for row in one.rows)}
-    return " ".join(sentence for sentence, measure in METHODS if measure in measured)
+    said = " ".join(sentence for sentence, measure in METHODS if measure in measured)
+    if all(one.result.size_known for one in stances):
+        return said
+    share = HOLDS_90 * unscaled().deviation
+    return said.replace(TRUE_SIZE, NO_TRUE_SIZE.format(100.0 * share, 100.0 * ((1.0 + share) ** 3 - 1.0)))
 
 
 def _facts(stances: Sequence[Reported], identity: Identity) -> list[list[str]]:

@@ -144,6 +144,7 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         landmarks_seen={name: each.reason for name, each in outcome.seen.items()},
         landmarks_picked={name: _rounded(place / per_unit) for name, place in plan.landmarks.items()},
         scale=_scale(outcome),
+        size_known=scan.size_known,
         marks=_marks(outcome),
         marks_asked=_marks_asked(outcome),
         areolae=areolae_document(outcome.areolae, per_unit),

@@ -128,7 +128,7 @@ def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], clock: Clo
         found.clearness,
         lesions=ready.scan.lesions,
         contradicted=ready.contradicted,
-        size_known=ready.scan.true_size is not None,
+        size_known=True if ready.scan.true_size else None if ready.scan.size_known else False,
         unclear_stance=found.stance_reason in UNCLEAR,
         repeats=partial(_only_repeats, ready),
     )

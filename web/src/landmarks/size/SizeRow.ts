@@ -54,7 +54,7 @@ export function createSizeRow(actions: SizeActions): Panel<Shown> {
       const scale = scan?.info.scale ?? null;
       show(remove, scale !== null);
       const [start, end] = scale?.between.map(called) ?? [];
-      const known = scale ? text.scaled(scale.factor, start!, end!, scale.mm) : text.ask;
+      const known = scale ? text.scaled(scale.factor, start!, end!, scale.mm) : scan?.info.size_known === false ? text.askUnknown : text.ask;
       setText(said, active === rulerKey("from") ? text.clickFrom : active === rulerKey("to") ? text.clickTo : found !== null ? text.inScan(found) : known);
       if (of !== `${scan?.info.id} ${scale?.factor}`) mm = null;
       if (!of.startsWith(`${scan?.info.id} `)) field.drop();

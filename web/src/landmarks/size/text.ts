@@ -4,6 +4,7 @@ const cm = (mm: number): string => `${(mm / 10).toFixed(1)}\u00a0cm`;
 export const size = {
   label: "True size",
   ask: "Many phone apps are off by some per cent. Measure a straight length on the patient, such as notch to nipple, or put a ruler into the scan, and give it here. Without it all errors take the scan's size as true.",
+  askUnknown: "The file of this scan does not say how large the patient is. Measure a straight length on the patient, such as notch to nipple, and give it here. Until then all errors are larger.",
   measure: "Click both ends",
   stop: "Stop",
   ends: { from: "From", to: "To" },

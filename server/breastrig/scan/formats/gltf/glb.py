@@ -8,6 +8,7 @@ other files only from its own folder or zip.
 import re
 from base64 import b64decode
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 from urllib.parse import unquote_to_bytes
@@ -37,6 +38,7 @@ from breastrig.scan.limits import (
 from breastrig.scan.pictures.companions import Companions
 from breastrig.scan.pictures.texture import LEFT_OUT, TURNED, is_turned, plain_picture
 from breastrig.scan.piece import Piece, Pieces, srgb_bytes
+from breastrig.scan.unscaled import names_unscaled
 
 HARMLESS = (
     *("KHR_materials_", "EXT_materials_", "KHR_lights_punctual", "KHR_mesh_quantization"),
@@ -67,7 +69,10 @@ def glb_pieces(data: bytes, files: Companions, texture: bool) -> Pieces:
     """
     kind = "GLB file" if data.startswith(b"glTF") else ".gltf"
     try:
-        return _Drawn(_document(data, files, kind), files, texture).pieces()
+        document, buffers = _document(data, files, kind)
+        pieces = _Drawn((document, buffers), files, texture).pieces()
+        asset = document.get("asset")
+        return replace(pieces, is_unscaled=isinstance(asset, dict) and names_unscaled([asset.get("generator")]))
     except BROKEN as error:
         reason = str(error) if type(error) is ValueError else "its structure is broken"
         raise BadScan(f"This {kind} cannot be read: {reason}; export it again.") from error
