@@ -319,7 +319,7 @@ STEPS: Mapping[str, tuple[str, str]] = {  # of a case: its routes (the first ste
         "example Example load_model Rig __version__",
     ),
     "landmarks": (
-        "/landmarks|/length$|/scan_protocol|/proposed_marks",
+        "/landmarks|/length$|/scan_protocol|/transfers/marks",
         "propose_landmarks Proposal Proposals propose_marks ProposedMark ProposedMarks",
     ),
     "checks": ("/checks", "LineChecks LandmarkCheck"),

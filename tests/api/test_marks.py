@@ -138,3 +138,13 @@ def test_the_plan_of_a_patient_follows_marks_and_a_link_names_none(
     with visitor.get(f"/api/shared/{made['id']}/plan.json") as linked:
         assert linked.status_code == 200
         assert "mole" not in linked.get_data(as_text=True)
+
+
+@pytest.mark.slow
+def test_marks_by_colour_need_fine_colours_and_two_fits_that_are_done(
+    real: tuple[FlaskClient, dict[str, dict[str, str]]],
+) -> None:
+    client, ids = real
+    fits = {"from_fit": ids["standing"]["fit"], "to_fit": ids["supine"]["fit"], "same_patient": True}
+    assert "too coarse for lines of a pen" in problem(client.post("/api/transfers/marks", json=fits), 422)
+    assert "There is no such fit" in problem(client.post("/api/transfers/marks", json=fits | {"to_fit": "0" * 32}), 404)

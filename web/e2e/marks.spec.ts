@@ -1,7 +1,11 @@
 // Marks of the skin: placed and named on one scan, looked for on the other one where its fit expects them, kept with both.
+import { execFileSync } from "node:child_process";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
 import { expect } from "@playwright/test";
-import type { LandmarkFile } from "../src/api/types";
+import type { LandmarkFile, Scan } from "../src/api/types";
 import { distance, fittedExample, hook, test, thumb, untilFitted, untilStill } from "./page";
+import { findPython, helper } from "./service";
 
 test("a mark is placed and named on one scan and found again on the other", async ({ page, base, troubles }) => {
   const [standing, supine] = await fittedExample(page, base, { stances: ["standing", "supine"], step: "points" });
@@ -82,5 +86,45 @@ test("a mark is placed and named on one scan and found again on the other", asyn
   expect(await page.evaluate(() => window.__breastrig!.state().scan!.info.scale!.factor)).toBe(factor);
   await page.keyboard.press("Control+y");
   await expect(size).not.toContainText("Scaled by");
+  expect(troubles).toEqual([]);
+});
+
+test("marks that both scans show in their colours are found, accepted one and all, and kept with both", async ({ page, base, troubles }, info) => {
+  const folder = info.outputPath("files");
+  const { path, env } = helper("marked_example.py");
+  execFileSync(findPython(), [path, folder], { env, stdio: "inherit" });
+  const truth = JSON.parse(readFileSync(join(folder, "truth.json"), "utf8")) as Record<string, LandmarkFile["landmarks"]>;
+  const made: { scan: Scan; fit: string }[] = [];
+  for (const stance of ["standing", "supine"]) {
+    const file = { name: `${stance}.zip`, mimeType: "application/zip", buffer: readFileSync(join(folder, `${stance}.zip`)) };
+    const scan = (await (await page.request.post(`${base}/api/scans`, { multipart: { file, units: "m" } })).json()) as Scan;
+    if (made[0]) await page.request.put(`${base}/api/scans/${scan.id}/patient`, { data: { patient: made[0].scan.patient, same_as: [made[0].scan.id] } });
+    const landmarks = truth[stance]!;
+    await page.request.put(base + scan.links.landmarks, { data: { unit: "mm", landmarks } });
+    const fit = (await (await page.request.post(`${base}/api/fits`, { data: { scan: scan.id, stance, landmarks, refine: false } })).json()) as { id: string };
+    made.push({ scan, fit: fit.id });
+  }
+  for (const { fit } of made) await expect.poll(async () => ((await (await page.request.get(`${base}/api/fits/${fit}`)).json()) as { state: string }).state).toBe("done");
+  const [here, other] = made as [(typeof made)[0], (typeof made)[0]];
+  await page.goto(`${base}/#scan=${here.scan.id}&fit=${here.fit}&step=points&other=${other.scan.id}&otherfit=${other.fit}`);
+  await hook.ready(page);
+  await untilFitted(page);
+
+  const box = page.getByRole("region", { name: "Marks by colour" });
+  await box.getByRole("button", { name: "Find marks" }).click();
+  await expect(box).toContainText("4 pairs are proposed; check each.");
+  await expect(page.locator(".pin[data-found=m1] .mark"), "on both panes").toHaveCount(2);
+  const kept = async ({ scan }: { scan: Scan }): Promise<string[]> => Object.keys(((await (await page.request.get(base + scan.links.landmarks)).json()) as LandmarkFile).marks ?? {}).sort();
+  expect(await kept(here), "nothing is a mark before it is accepted").toEqual([]);
+  await box.getByRole("button", { name: "Accept the mark m2" }).click();
+  for (const each of [here, other]) await expect.poll(() => kept(each)).toEqual(["m2"]);
+  await expect(page.locator("[data-mark=m2]")).toHaveClass(/is-placed/);
+  await box.getByRole("button", { name: "Dismiss the mark m1" }).click();
+  await expect(box.locator("[data-found]")).toHaveCount(2);
+  await box.getByRole("button", { name: "Accept all 2" }).click();
+  for (const each of [here, other]) await expect.poll(() => kept(each)).toEqual(["m2", "m3", "m4"]);
+  await expect(box.locator("[data-found]")).toHaveCount(0);
+  await thumb(page, "supine").click();
+  await expect(page.locator("[data-mark=m4]"), "there too").toHaveClass(/is-placed/);
   expect(troubles).toEqual([]);
 });

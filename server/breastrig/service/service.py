@@ -44,19 +44,21 @@ from breastrig.service.task_modules import TASK_MODULES
 from breastrig.storage.deletion import delete_empty_case, delete_scan, finish_deletions
 from breastrig.storage.documents.fits import NewFit, Once, StoredFit, add_fit, fits_of_scan, get_fit, made_before
 from breastrig.storage.documents.patients import said_same, scans_of_patient
-from breastrig.storage.documents.scans import put_length
-from breastrig.storage.files import fit_place
+from breastrig.storage.documents.scans import get_cuts, get_scan, put_length
+from breastrig.storage.files import fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, Unremoved, utc_now
 from breastrig.use.cases.case_work import Predictor, Runner, Runners
 from breastrig.use.fit import run_fit
 from breastrig.use.landmarks import propose_on_file
+from breastrig.use.marks.propose_marks import MarksJob, ScanFile, propose_marks_on_files
 from breastrig.use.predict import run_prediction
 from breastrig.use.transfer import carried_between
 
 INTERACTIVE = 4  # patterns or landmarks that are moved at once
 IDLE = 8  # processes that rest: of a patient's two scans and their fits, each some hundred megabytes
 TRANSFER_WALL_S = 180.0  # a transfer takes a second or two; a slow or busy machine with huge scans may take many
+MARKS_WALL_S = 90.0  # two textures of 4096 take ten seconds, on a busy machine many
 
 log = logging.getLogger(__name__)
 
@@ -309,6 +311,29 @@ class Service:
             )
             carried = self._others.result(task, (), TRANSFER_WALL_S)
         return carried | ({"doubts": []} if is_said else {})
+
+    def propose_marks(self, from_fit: str, to_fit: str, same_patient: bool = False) -> dict[str, Any]:
+        """Pairs of marks by the colours of two fits' scans, found in a process of its own; raises as `transfer`."""
+        both = from_fit, to_fit
+        with (
+            explained("Finding marks", MARKS_WALL_S, "give smaller scans", self.storage, both),
+            self.models.of_fits(both) as model,
+        ):
+            scans = [get_scan(self.storage, get_fit(self.storage, each).scan) for each in both]
+            files = [
+                ScanFile(
+                    self.storage.files.folder(scan_place(scan.id)) / upload_name(scan.file_type),
+                    scan.file_type,
+                    scan.facts["unit"],
+                    get_cuts(self.storage, scan.id),
+                )
+                for scan in scans
+            ]
+            folders = [self.storage.files.folder(fit_place(each)) for each in both]
+            is_said = scans[1].id in said_same(self.storage, scans[0].id)
+            job = MarksJob((folders[0], folders[1]), (files[0], files[1]), model, same_patient or is_said)
+            found: dict[str, Any] = self._others.result(propose_marks_on_files, (job,), MARKS_WALL_S)
+        return found
 
 
 def _log_unremoved(left: list[Unremoved]) -> None:

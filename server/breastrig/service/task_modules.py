@@ -13,6 +13,7 @@ TASK_MODULES = (
             "lines.checks_on_fit",
             "lines.lines_on_skin",
             "lines.plan_on_fit",
+            "marks.propose_marks",
             "moving.live_pattern",
             "moving.moved_landmarks",
             "reports.share_snapshot",

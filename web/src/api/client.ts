@@ -28,7 +28,7 @@ import type { Checks,
   PlanOnScan,
   PredictionRequest,
   Problem,
-  ProposedLandmarks,
+  ProposedLandmarks, ProposedMarks,
   Question,
   Result,
   Scan,
@@ -213,6 +213,8 @@ export const client = {
   madeOfPlan: async (report: string, name: string): Promise<Blob> => (await ask(report.replace("report.pdf", name))).blob(),
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links"> & Partial<Pick<Fit, "cuts">>>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
+  /** Marks that the colours of two fits' scans show, for a person to accept; some seconds. */
+  proposeMarks: (from: string, to: string) => askJson<ProposedMarks>("/api/transfers/marks", "POST", { from_fit: from, to_fit: to }),
   /** Predicts a stance that was not scanned; the same prediction is made once. */
   predict: (link: string, request: PredictionRequest) => askJson<Pick<Fit, "id" | "links">>(link, "POST", request),
   cancel: (link: string) => askJson<Fit>(link, "POST"),

@@ -661,6 +661,15 @@ export type MarksOfScan = {
   scan: string;
 };
 
+export type MarksRequest = {
+  /** id of the fit of one scan */
+  from_fit: string;
+  /** id of the fit of the other */
+  to_fit: string;
+  /** both are one patient's, though the bodies differ */
+  same_patient?: boolean;
+};
+
 /** One measure of one stance, or its change from the first stance to the second; sided, or one value for both. */
 export type Measure = {
   /** name of the stance; `second - first` for a change */
@@ -1239,6 +1248,27 @@ export type ProposedLandmarks = {
   landmarks: Record<string, ProposedLandmark>;
   /** names of the model's other landmarks, each with why, a sentence */
   not_proposed: Record<string, string>;
+};
+
+export type ProposedMark = {
+  /** m1, m2, ...; no mark of either scan has it */
+  name: string;
+  /** what it looks like on the first scan */
+  kind: "dot" | "cross" | "mole";
+  /** mm, on the first scan, in its frame */
+  source: [number, number, number];
+  /** mm, on the second, likewise */
+  target: [number, number, number];
+  /** on the second scan, from where it was expected */
+  off_mm: number;
+  /** 90 % radius of what was expected */
+  error_mm: number;
+};
+
+export type ProposedMarks = {
+  /** how many small marks each scan shows and how many pairs there are, one sentence */
+  says: string;
+  marks: ProposedMark[];
 };
 
 /** A question that a person has to answer; the request is sent again with that field. */

@@ -44,6 +44,8 @@ export type {
   Problem,
   ProposedLandmark,
   ProposedLandmarks,
+  ProposedMark,
+  ProposedMarks,
   Scan,
   ScanImage,
   Share,

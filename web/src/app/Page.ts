@@ -114,6 +114,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     return { element: place };
   };
   const landmarks = withScan(async () => (await import("../landmarks/LandmarkPanel")).createLandmarkPanel(actions.landmarks, actions.proposals, () => dismiss("landmarks")));
+  const found = withScan(async () => (await import("../stances/found/FoundBox")).createFoundBox(actions.found));
   const plan = withScan(async () => (await import("../drawing/panel/PlanPanel")).createPlanPanel(actions.drawing, actions.plan, () => dismiss("drawing"), ink.drawing, carry.element));
   const handOver = later(
     only("asked", "meta", "step", "loading", "scan", "confirmed", "picks", "certain", "proposals", "skipped", "active", "fit", "isStarting", "stance", "preset", "refine", "drawing", "drawn", "ink", "stances", "checks", "overlay"),
@@ -159,7 +160,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const side = createSidePanel(
     {
       body: createBodyPanel(() => actions.page.goTo("points"), [sentence.element, ink.scan, scan.asked, fit.element, numbers.element], [timeline.element, scan.element, size.element, fit.settings]),
-      points: el("div", { class: "panel" }, guide.element, landmarks.element),
+      points: el("div", { class: "panel" }, guide.element, landmarks.element, found.element),
       plan: plan.element,
       handover: handOver.element,
     },

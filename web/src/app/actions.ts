@@ -15,6 +15,7 @@ import { patientActions } from "../patients/actions";
 import { planActions } from "../plan/actions";
 import { scanActions } from "../scan/actions";
 import { shareActions } from "../share/actions";
+import { foundActions } from "../stances/found/actions";
 import { stancesActions } from "../stances/actions";
 import { createOutbox, type Outbox } from "../store/outbox";
 import { messageOf, withProblem } from "../store/problems";
@@ -77,6 +78,7 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
     handles: handleActions(store, client, drawing.choosePattern),
     plan,
     stances,
+    found: foundActions(store, client, landmarks),
     checks: checkActions(store, client, { landmarks, fit, follower, saved: async () => (await drawing.flush(), plan.settled()) }),
     patients,
     share: shareActions(store, client),

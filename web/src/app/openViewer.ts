@@ -25,6 +25,7 @@ import { listenToLasso } from "../scan/cropping/CropTool";
 import { ScanMesh } from "../scan/ScanMesh";
 import { errors as scanErrors } from "../scan/text";
 import { MeasureLines } from "../stances/measures/MeasureLines";
+import { FoundPins } from "../stances/found/FoundPins";
 import { openOtherView } from "../stances/OtherView";
 import { isComparing, isPredicted, stanceNames, type Workspace } from "../stances/state";
 import { stances as stancesText } from "../stances/text";
@@ -48,7 +49,7 @@ import type { Session } from "./session";
 /** What of the state the view shows; when something else changes it is not drawn again. */
 const SEEN = [
   ...(["meta", "models", "theme", "step", "overlay", "view", "loading", "scan", "showColours", "showLoose", "showRelief", "showMirror"] as const),
-  ...(["picks", "certain", "proposals", "active", "beside", "ruler", "fit", "followed", "showDistances", "drawing", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
+  ...(["picks", "certain", "proposals", "active", "beside", "found", "ruler", "fit", "followed", "showDistances", "drawing", "lesion", "ink", "inkPointed", "pointedCut", "checks"] as const),
 ];
 type Seen = Pick<Session, (typeof SEEN)[number] | "drawn" | "stances">;
 
@@ -94,6 +95,7 @@ export function openViewer(store: Store<Session>, actions: Actions, stages: Stag
     corners,
     new MeasureLines(viewer, false),
     { update: (state) => pins.update(state, isFree(state)) },
+    new FoundPins(viewer, scan),
     ruler,
     new HoverValue(viewer, fitted, stage.canvas),
     new SideLetters(viewer),

@@ -10,6 +10,7 @@ import { type LandmarksSlice, startLandmarks } from "../landmarks/state";
 import { initialScan, type ScanSlice } from "../scan/state";
 import { initialPatients, type PatientsSlice } from "../patients/state";
 import { initialShare, type ShareSlice } from "../share/state";
+import { type FoundSlice, initialFound } from "../stances/found/state";
 import { initialStances, type StancesSlice } from "../stances/state";
 import type { Unsaved } from "../store/outbox";
 import { initialPage, type PageSlice } from "../store/page";
@@ -24,7 +25,7 @@ export interface Deletion {
   readonly beside: { readonly scan: string; readonly isSecond: boolean } | null; // the stance that stays on the page, and whether it came second
 }
 
-export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, MarksSlice, RulerSlice, SizesSlice, FitSlice, DrawingSlice, StancesSlice, ChecksSlice, InkSlice, PatientsSlice, ShareSlice {
+export interface Session extends PageSlice, ViewSlice, ScanSlice, LandmarksSlice, MarksSlice, RulerSlice, SizesSlice, FitSlice, DrawingSlice, StancesSlice, FoundSlice, ChecksSlice, InkSlice, PatientsSlice, ShareSlice {
   readonly isSignedIn: boolean; // with a token; a service on one's own machine needs none
   readonly isHelpOpen: boolean;
   readonly fitsAtOnce: boolean; // new scans are fitted by themselves
@@ -45,6 +46,7 @@ export const initialSession: Session = {
   ...initialFit,
   ...initialDrawing,
   stances: initialStances,
+  ...initialFound,
   checks: initialChecks,
   ...initialInk,
   patients: initialPatients,

@@ -119,9 +119,9 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
   }
 
   /** Keeps them until the service has them. */
-  function remember(scan: Scan): void {
+  function remember(scan: Scan, its = placed()): void {
     const { self, landmarks } = scan.links;
-    const waits = { scan: { id: scan.id, links: { self, landmarks } as Scan["links"] }, base: keeper.base(scan.id), mine: keptOf(placed()) };
+    const waits = { scan: { id: scan.id, links: { self, landmarks } as Scan["links"] }, base: keeper.base(scan.id), mine: keptOf(its) };
     outbox.keep("landmarks", scan.id, scan.patient, waits satisfies Waiting);
   }
 
@@ -264,6 +264,17 @@ export function landmarkActions(store: Store<State>, client: Client, followed: F
     addMark(): void {
       const { picks, beside } = store.get();
       this.want(freeMark(listedMarks(picks.present, beside)));
+    },
+
+    /** Marks (by their keys) that were found on the skin and accepted. */
+    adopt(found: Picks, announcement: string): void {
+      change({ ...store.get().picks.present, ...found }, { announcement });
+    },
+
+    /** The picks of a scan that waits have become these. */
+    saveWaiting(scan: Scan, its: Placed): Promise<void> {
+      remember(scan, its);
+      return save(scan, its);
     },
 
     /** False where it cannot be called so; the page says why. */

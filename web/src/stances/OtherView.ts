@@ -19,13 +19,15 @@ import type { ViewSlice } from "../viewer/state";
 import type { OtherPane } from "../viewer/testHook";
 import { followGraphics, type Part, type Stage, updateEach, Viewer } from "../viewer/Viewer";
 import { linkedPose, torsoOf } from "./cameras";
+import { FoundPins } from "./found/FoundPins";
+import type { FoundSlice } from "./found/state";
 import { MeasureLines } from "./measures/MeasureLines";
 import { isComparing, otherState, type StancesSlice, type Workspace } from "./state";
 
-type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice;
+type State = PageSlice & ViewSlice & ScanSlice & LandmarksSlice & FitSlice & DrawingSlice & StancesSlice & FoundSlice;
 
 /** What of the state the pane shows, or follows; when something else changes it is not drawn again. */
-const SEEN = ["meta", "models", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "showRelief", "active", "followed", "showDistances", "lesion"] as const;
+const SEEN = ["meta", "models", "theme", "step", "overlay", "view", "scan", "showColours", "showLoose", "showRelief", "active", "found", "followed", "showDistances", "lesion"] as const;
 type Seen = Pick<State, (typeof SEEN)[number] | "stances">;
 const seen = (state: State): object => ({ ...only(...SEEN)(state), ...fieldsOf(state, "stances", "isCarrying") });
 
@@ -81,6 +83,7 @@ export function openOtherView(store: Store<State>, main: Viewer, stage: Stage, p
       new OwnLines(made, skin),
       new MeasureLines(made, true),
       { update: (state) => pins.update(state, state.drawn.tool === "none") },
+      new FoundPins(made, body),
       new SideLetters(made),
       new ScaleBar(made),
     ];

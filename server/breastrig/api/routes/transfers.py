@@ -1,5 +1,7 @@
 """Transfers: a drawing made on one scan, shown on another.  Nothing is stored; the drawing is the answer."""
 
+from collections.abc import Iterable
+
 from apiflask import APIBlueprint
 
 from breastrig.api.app_context import app_context
@@ -32,10 +34,7 @@ def transfer_drawing(json_data: wire_transfers.TransferRequest) -> tuple[wire_tr
     target's skin or is marked as bridged.
     """
     service = app_context().service
-    for fit_id in (json_data.from_fit, json_data.to_fit):
-        fit = get_fit(service.storage, fit_id)
-        if fit.state != "done":
-            raise Conflict(f"The fit {fit.id} is {fit.state}; a drawing can be carried between fits that are done.")
+    _check_done((json_data.from_fit, json_data.to_fit), "a drawing can be carried")
     drawing = json_data.drawing
     if drawing is not None:
         scans = [get_fit(service.storage, each).scan for each in (json_data.from_fit, json_data.to_fit)]
@@ -49,3 +48,32 @@ def transfer_drawing(json_data: wire_transfers.TransferRequest) -> tuple[wire_tr
         json_data.same_patient,
     )
     return wire_transfers.CarriedDrawing.model_validate(carried), 201
+
+
+@transfers.post("/marks")
+@transfers.input(wire_transfers.MarksRequest)
+@transfers.output(wire_transfers.ProposedMarks, description="The pairs, surest first; perhaps none")
+@transfers.doc(
+    operation_id="proposeMarks",
+    responses={
+        404: "No such fit",
+        409: "A fit is not done, or the bodies look like another patient's",
+        422: "A scan has no colours, or too coarse ones",
+    },
+)
+def propose_marks(json_data: wire_transfers.MarksRequest) -> wire_transfers.ProposedMarks:
+    """Pairs of dots, crosses and moles that the colours of two scans of one patient show
+
+    They are for a person to accept: nothing follows them until they are among the marks of both scans
+    (`PUT /api/scans/ID/landmarks`).  Some seconds.
+    """
+    _check_done((json_data.from_fit, json_data.to_fit), "marks can be proposed")
+    found = app_context().service.propose_marks(json_data.from_fit, json_data.to_fit, json_data.same_patient)
+    return wire_transfers.ProposedMarks.model_validate(found)
+
+
+def _check_done(fits: Iterable[str], what: str) -> None:
+    for fit_id in fits:
+        fit = get_fit(app_context().service.storage, fit_id)
+        if fit.state != "done":
+            raise Conflict(f"The fit {fit.id} is {fit.state}; {what} between fits that are done.")

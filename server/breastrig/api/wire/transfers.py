@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from breastrig.api.wire.common import Name, Wire
+from breastrig.api.wire.common import Name, Three, Wire
 from breastrig.drawings.drawing_schema import Colour, Digest, DrawnShape, GivenDrawing, LineUnit, PatientCode
 
 
@@ -20,6 +20,26 @@ class TransferRequest(Wire):
         strict=True,
         description="all is one patient's, though the drawing names another code and scan, or the bodies differ",
     )
+
+
+class MarksRequest(Wire):
+    from_fit: Name = Field(description="id of the fit of one scan")
+    to_fit: Name = Field(description="id of the fit of the other")
+    same_patient: bool = Field(False, strict=True, description="both are one patient's, though the bodies differ")
+
+
+class ProposedMark(Wire):
+    name: str = Field(description="m1, m2, ...; no mark of either scan has it")
+    kind: Literal["dot", "cross", "mole"] = Field(description="what it looks like on the first scan")
+    source: Three = Field(description="mm, on the first scan, in its frame")
+    target: Three = Field(description="mm, on the second, likewise")
+    off_mm: float = Field(description="on the second scan, from where it was expected")
+    error_mm: float = Field(description="90 % radius of what was expected")
+
+
+class ProposedMarks(Wire):
+    says: str = Field(description="how many small marks each scan shows and how many pairs there are, one sentence")
+    marks: list[ProposedMark]
 
 
 class CarriedShape(DrawnShape):
