@@ -1,6 +1,7 @@
 """The report over HTTP, PDF and numbers: real fits of the example patient, what is kept with a fit, what is refused."""
 
 import io
+import pickle
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -20,6 +21,7 @@ from breastrig.api.wire.files import MeasuresFile
 from breastrig.cli.main import main
 from breastrig.drawings.plan_schema import ITEMS, POINTS, TEXT
 from breastrig.execution.limits import FitLimits
+from breastrig.service import reports
 from breastrig.service.reports import TWO_PATIENTS
 from breastrig.service.service import Service
 from breastrig.storage.documents.fits import get_fit
@@ -201,6 +203,22 @@ def test_the_template_shows_the_plan_in_the_position_of_the_scan_and_names_the_p
     assert client.get("/api/fits/nobody/template.pdf").status_code == 404
 
 
+def test_a_guide_is_of_one_side_and_its_name_says_how_far_the_notch_is(
+    real: Real, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What makes it takes half a minute here and is tried by tests/report/test_guide.py."""
+    service, client, _, fits = real
+    assert pickle.loads(pickle.dumps(reports.MAKERS["guide_R.stl"])).keywords == {"side": "R"}
+    made = b"Patient's right. Arrow's tip to notch: 154 mm along the skin.".ljust(134)
+    monkeypatch.setattr(service.reports._processes, "result", lambda *_: made)
+    place = f"/api/fits/{fits['supine']}/guide.stl"
+    answer = client.get(f"{place}?side=R")
+    assert (answer.status_code, answer.mimetype, answer.headers["Cache-Control"]) == (200, "model/stl", "no-store")
+    assert answer.data == made
+    assert "guide-right-notch-154mm.stl" in answer.headers["Content-Disposition"]
+    assert client.get(place).status_code == client.get(f"{place}?side=both").status_code == 422
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("blank")
 def test_the_pages_of_the_report_are_pictures_too(real: Real) -> None:
@@ -234,7 +252,15 @@ def test_what_is_refused(real: Real, name: str) -> None:
 
 def test_a_fit_that_is_not_done_has_no_report(client: FlaskClient, scan_id: str) -> None:
     fit = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["id"]
-    for name in ("report.pdf", "report.png", "measures.json", "measures.csv", "volume.vtu", "template.pdf"):
+    for name in (
+        "report.pdf",
+        "report.png",
+        "measures.json",
+        "measures.csv",
+        "volume.vtu",
+        "template.pdf",
+        "guide.stl?side=L",
+    ):
         assert client.get(f"/api/fits/{fit}/{name}").status_code == 409
     client.post(f"/api/fits/{fit}/cancel")
 

@@ -227,6 +227,7 @@ def test_every_route_with_every_credential(
 REFUSED = (
     "report.pdf",
     "template.pdf",
+    "guide.stl",
     "report.png",
     "measures.csv",
     "measures.json",

@@ -91,6 +91,7 @@ LISTED = {  # why they are not run here, or the test that runs them
     ],
     "tests/report/test_template.py": [
         "breastrig template supine/ -o template.pdf",
+        "breastrig template supine/ --side L -o guide.stl",
         "breastrig template supine/ --with standing/ --plan plan.json -o template.pdf",
     ],
     "tests/volume": [

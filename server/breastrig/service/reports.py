@@ -8,6 +8,7 @@ it is remembered by.
 import io
 import zipfile
 from collections.abc import Callable, Hashable, Sequence
+from functools import partial
 
 from breastrig.core import wall_clock
 from breastrig.core.errors import NotFound
@@ -22,7 +23,7 @@ from breastrig.storage.documents.patients import StoredPatient, get_patient, get
 from breastrig.storage.documents.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
-from breastrig.use.guides.template import template_pdf_of
+from breastrig.use.guides.template import guide_stl_of, template_pdf_of
 from breastrig.use.reports.report import ReportJob, measures_json_of, protocol_pdf_of, report_pages_of, report_pdf_of
 from breastrig.use.volume import volume_vtu_of
 
@@ -32,8 +33,16 @@ MAKERS: dict[str, Callable[[ReportJob], bytes]] = {
     "measures.json": measures_json_of,
     "volume.vtu": volume_vtu_of,
     "template.pdf": template_pdf_of,
+    "guide_L.stl": partial(guide_stl_of, side="L"),
+    "guide_R.stl": partial(guide_stl_of, side="R"),
 }
-PLANNED = ("report.pdf", "pages.zip", "template.pdf")  # what shows the plan; measures are those of the body
+PLANNED = (
+    "report.pdf",
+    "pages.zip",
+    "template.pdf",
+    "guide_L.stl",
+    "guide_R.stl",
+)  # what shows the plan; measures are those of the body
 REMEMBERED = 32  # of half a megabyte, volumes of more than one
 TWO_PATIENTS = f"The two scans are filed as those of two patients; {SAYS_NOTHING}"
 DAY = len("2026-11-25")  # of a time as ISO 8601
@@ -76,6 +85,10 @@ class Reports:
     def template(self, fit_id: str) -> bytes:
         """The plan's lines in true size, PDF.  Raises likewise, and BadInput where they cannot be laid flat."""
         return self._remembered_or_made("template.pdf", fit_id, None)
+
+    def guide(self, fit_id: str, side: str) -> bytes:
+        """The guide of one side ("L" or "R"), STL; raises likewise."""
+        return self._remembered_or_made(f"guide_{side}.stl", fit_id, None)
 
     def protocol(self) -> bytes:
         """The page for taking scans with marks."""

@@ -210,7 +210,10 @@ export const client = {
     return { picture: await answer.blob(), count: Number(answer.headers.get("Page-Count") ?? page) };
   },
   /** A file that the service makes of the plan, beside the report; an ApiError says why it cannot. */
-  madeOfPlan: async (report: string, name: string): Promise<Blob> => (await ask(report.replace("report.pdf", name))).blob(),
+  madeOfPlan: async (report: string, name: string): Promise<{ readonly blob: Blob; readonly name: string }> => {
+    const answer = await ask(report.replace("report.pdf", name));
+    return { blob: await answer.blob(), name: /filename=([\w.-]+)/.exec(answer.headers.get("Content-Disposition") ?? "")?.[1] ?? name };
+  },
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links"> & Partial<Pick<Fit, "cuts">>>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   /** Marks that the colours of two fits' scans show, for a person to accept; some seconds. */

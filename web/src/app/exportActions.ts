@@ -34,11 +34,12 @@ export function exportActions(store: Store<PageSlice & ScanSlice & FitSlice & Dr
     },
 
     /** A file that the service makes of the plan on this fit; why it cannot is said as the page's problem. */
-    async saveOfPlan(kind: "template"): Promise<void> {
-      const { scan, fit } = store.get();
-      if (!scan || !fit) return;
+    async saveOfPlan(kind: text.OfPlan): Promise<void> {
+      const { fit } = store.get();
+      if (!fit) return;
       try {
-        saveBlob(fileName(scan, text.files.ofPlan[kind], fit.result?.stance), await client.madeOfPlan(fit.links.report, text.files.ofPlan[kind]));
+        const { name, blob } = await client.madeOfPlan(fit.links.report, text.files.ofPlan[kind]);
+        saveBlob(name, blob);
       } catch (error) {
         store.set((state) => withProblem(state, "page", messageOf(error)));
       }

@@ -40,7 +40,11 @@ export const handover = {
   shareHint: "A page for a colleague, for some days; the model, and what else you choose",
   measures: "Measures",
   measuresHint: "Lengths, symmetry and volumes",
-  ofPlan: { template: ["Template", "The plan in true size, laid flat: print it, cut it out, lay it on the skin"] } as const,
+  ofPlan: {
+    template: ["Template", "The plan in true size, laid flat: print it, cut it out, lay it on the skin"],
+    right: ["guide, right (STL)", "A shell to print in 3D, with slots along the lines; its name says how far the arrow is from the notch"],
+    left: ["guide, left (STL)", "A shell to print in 3D, with slots along the lines; its name says how far the arrow is from the notch"],
+  } as const,
   files: "Files for programs",
   none: "Fit the model to the scan first.",
   before: "Before you print",

@@ -1,18 +1,22 @@
 """The report of a fit, as pages of PDF and as numbers; made when it is first asked for."""
 
 import json
+import re
+from typing import Literal
 
 from apiflask import APIBlueprint
 from flask import Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.answers import CSV, JSON, PDF, PERSONAL, PNG, VTU, bytes_answer, file_of, in_memory
+from breastrig.api.answers import CSV, JSON, PDF, PERSONAL, PNG, STL, VTU, bytes_answer, file_of, in_memory
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import BadSettings, Conflict
+from breastrig.core.stances import SIDES
 from breastrig.report.table import csv_bytes
 from breastrig.storage.documents.fits import get_fit
+from breastrig.use.guides.template import guide_said
 
 reports = APIBlueprint("reports", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 
@@ -84,6 +88,31 @@ def show_template(fit_id: str) -> Response:
     made = app_context().service.reports
     content, scans = in_memory(made.template(fit_id)), [get_fit(app_context().service.storage, fit_id).scan]
     return app_context().patients_file(scans, content, PDF, made.file_name("template.pdf", fit_id))
+
+
+class GuideQuery(BaseModel):
+    """Which side."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    side: Literal["L", "R"] = Field(description="the patient's")
+
+
+@reports.get("/<fit_id>/guide.stl")
+@reports.input(GuideQuery, location="query")
+@reports.doc(operation_id="getGuide", responses={200: file_of(STL, "A closed shell, mm"), 409: "Not done"})
+def show_guide(fit_id: str, query_data: GuideQuery) -> Response:
+    """A guide of one side to print in 3D, STL
+
+    A shell of 2 mm on the skin of the scan's position, with slots along the planned lines, a hole for the nipple and an
+    arrow to the notch; header and file name say how far its tip is from there.
+    """
+    _check_done(fit_id, None)
+    made = app_context().service.reports
+    content, scans = made.guide(fit_id, query_data.side), [get_fit(app_context().service.storage, fit_id).scan]
+    far = re.findall(r"(\d+) mm", guide_said(content))[0]
+    name = made.file_name(f"guide-{SIDES[query_data.side]}-notch-{far}mm.stl", fit_id)
+    return app_context().patients_file(scans, in_memory(content), STL, name)
 
 
 @reports.get("/<fit_id>/measures.json")

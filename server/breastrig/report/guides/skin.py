@@ -13,7 +13,7 @@ from breastrig.core.stances import split_side
 from breastrig.correspondence.match import match
 from breastrig.correspondence.target import ScanTarget
 from breastrig.drawings.project_drawing import ON_SKIN
-from breastrig.geometry.boundary import triangle_components
+from breastrig.geometry.boundary import boundary_edges, triangle_components
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.flatten import unpinched
 from breastrig.geometry.half_edges import neighbours, split_flat
@@ -44,6 +44,7 @@ class SkinAround:
         left = self.faces[~chosen]
         _, part = triangle_components(left, len(self.vertices))
         areas = np.bincount(part[left[:, 0]], face_areas(self.vertices, left), len(self.vertices))
+        areas[part[boundary_edges(self.faces).ravel()]] = np.inf  # what goes on to the end of the skin is no hole
         chosen[~chosen] = areas[part[left[:, 0]]] < filled
         chosen = unpinched(self.faces, chosen)
         used, faces = np.unique(self.faces[chosen], return_inverse=True)

@@ -90,16 +90,7 @@ def template(stance: Stance) -> tuple[tuple[Piece, ...], tuple[str, ...]]:
     Raises BadDrawing where a line's name says another side than its place, or no line can be laid flat; BadInput for a
     rig without the landmarks.
     """
-    groups: dict[tuple[str, ...], list[Polyline]] = {("R",): [], ("L",): [], ("R", "L"): []}
-    for line in stance.lines:
-        if len(line) > 1:
-            groups[_sides(stance, line)].append(line)
-    if not any(groups.values()):
-        raise BadInput("Nothing is drawn on this scan; a template shows lines: draw the plan first.")
-    known = places(stance)
-    missing = [name for name in (NOTCH, "nipple_L", "nipple_R") if name not in known]
-    if missing:
-        raise BadInput(f"The model has no landmark {missing[0]}, by which a template is laid on the skin.")
+    groups = lines_by_side(stance)
     pieces, said = [], []
     for sides, lines in groups.items():
         if lines:
@@ -113,6 +104,20 @@ def template(stance: Stance) -> tuple[tuple[Piece, ...], tuple[str, ...]]:
     if not pieces:
         raise BadDrawing(" ".join(said))
     return tuple(pieces), tuple(said)
+
+
+def lines_by_side(stance: Stance) -> dict[tuple[str, ...], list[Polyline]]:
+    """The lines of the right side, of the left one, and those that cross the midline; raises as `template`."""
+    groups: dict[tuple[str, ...], list[Polyline]] = {("R",): [], ("L",): [], ("R", "L"): []}
+    for line in stance.lines:
+        if len(line) > 1:
+            groups[_sides(stance, line)].append(line)
+    if not any(groups.values()):
+        raise BadInput("Nothing is drawn on this scan; a template shows lines: draw the plan first.")
+    missing = [name for name in (NOTCH, "nipple_L", "nipple_R") if name not in places(stance)]
+    if missing:
+        raise BadInput(f"The model has no landmark {missing[0]}, by which a template is laid on the skin.")
+    return groups
 
 
 def _sides(stance: Stance, line: Polyline) -> tuple[str, ...]:
@@ -170,8 +175,7 @@ def _ways(stance: Stance, lines: Sequence[Polyline], sides: tuple[str, ...]) -> 
     known, geodesics = places(stance), Geodesics(stance.vertices, stance.rig.faces)
 
     def way(a: Array, b: Array) -> Polyline:
-        points = geodesics.path(stance.on_model(a[None]), stance.on_model(b[None]))
-        return Polyline("", False, "#000000", points, np.zeros(len(points), dtype=np.bool_))
+        return unnamed(geodesics.path(stance.on_model(a[None]), stance.on_model(b[None])))
 
     ways = [way(known[f"nipple_{side}"].point, known[NOTCH].point) for side in sides]
     joined, left = (
@@ -188,6 +192,11 @@ def _ways(stance: Stance, lines: Sequence[Polyline], sides: tuple[str, ...]) -> 
             ways.append(way(joined[np.linalg.norm(joined - end, axis=1).argmin()], end))
         joined = np.concatenate([joined, points])
     return ways
+
+
+def unnamed(points: Array) -> Polyline:
+    """An open line through (M, 3) m points that is not shown."""
+    return Polyline("", False, "#000000", points, np.zeros(len(points), dtype=np.bool_))
 
 
 class _Sheet:

@@ -19,9 +19,8 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
   const measures = button(words.measures, () => void actions.stances.measures(true), "outlined wide", "tape");
   measures.id = "measures";
   measures.title = words.measuresHint;
-  const template = button(words.ofPlan.template[0], () => void save("template", template), "outlined wide", "download");
-  template.id = "template";
-  template.title = words.ofPlan.template[1];
+  const template = ofPlan("template", "outlined wide");
+  const guides = el("div", { class: "toolbar" }, ofPlan("right", "link"), ofPlan("left", "link"));
   const files = el("ul", { class: "files" });
   const table = button(text.files.distances, actions.files.saveDistances, "link", "download");
   table.title = text.files.distancesHint;
@@ -30,14 +29,20 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
   const none = el("p", { class: "muted" }, words.none);
   const list = el("ul", { class: "unchecked" });
   const before = el("section", { class: "panel", "aria-label": words.before }, el("h2", {}, words.before), list);
-  const forPrograms = el("details", { class: "file-list" }, el("summary", {}, words.files), files, table, lines);
+  const forPrograms = el("details", { class: "file-list" }, el("summary", {}, words.files), files, table, lines, guides);
   const done = el("div", { class: "panel" }, before, el("h2", {}, words.handOn), share, measures, template);
   const element = el("div", { class: "panel hand-over" }, none, done, forPrograms);
 
-  async function save(kind: "template", from: HTMLButtonElement): Promise<void> {
-    from.disabled = true; // it takes some seconds
-    await actions.files.saveOfPlan(kind);
-    from.disabled = false;
+  function ofPlan(kind: text.OfPlan, look: string): HTMLButtonElement {
+    const made = button(words.ofPlan[kind][0], () => void save(), look, "download");
+    const save = async (): Promise<void> => {
+      made.disabled = true; // it takes some seconds
+      await actions.files.saveOfPlan(kind);
+      made.disabled = false;
+    };
+    made.id = `of-plan-${kind}`;
+    made.title = words.ofPlan[kind][1];
+    return made;
   }
 
   async function go({ way, isOther }: Unchecked): Promise<void> {
@@ -55,6 +60,7 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
       const isDone = fit?.state === "done";
       show(none, !isDone);
       show(done, isDone);
+      show(guides, isDone);
       show(lines, drawn.lines.present.length > 0);
       show(table, isDone && fit.distances !== null);
       show(forPrograms, isDone || drawn.lines.present.length > 0);
