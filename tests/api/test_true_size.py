@@ -75,9 +75,13 @@ def test_landmarks_say_in_which_size_they_are_and_are_taken_from_any(
         assert client.get(landmarks).json["marks"] == times({"dot": DOT}, FACTOR)
     marks_stay = client.put(landmarks, json={"landmarks": PICKS, "scale": 1.0}).json
     assert marks_stay["marks"] == times({"dot": DOT}, FACTOR)
-    file = (BytesIO(json.dumps({"landmarks": PICKS, "unit": "mm"}).encode()), "picks.json")
-    read = client.post(f"{landmarks}/file", data={"file": file}).json
-    assert (read["landmarks"], read["scale"]) == (times(PICKS, 1.0), shown["scale"])
+    written = json.loads(client.post(f"{landmarks}/file/json", json=client.get(landmarks).json).data)
+    assert written["scale"] == shown["scale"]
+    for scale, factor in (({}, 1.0), ({"scale": 1.0}, FACTOR), ({"scale": FACTOR}, 1.0)):
+        document = {"schema": "breastrig/landmarks@1", "landmarks": PICKS, "unit": "mm"} | scale
+        file = (BytesIO(json.dumps(document).encode()), "picks.json")
+        read = client.post(f"{landmarks}/file", data={"file": file}).json
+        assert (read["landmarks"], read["scale"]) == (times(PICKS, factor), shown["scale"])
     for scale in (0.0, 30.0, True, "1"):
         problem(client.put(landmarks, json={"landmarks": PICKS, "scale": scale}), 422)
     client.delete(place)
@@ -112,7 +116,7 @@ def test_a_scan_of_unknown_size_asks_for_a_length_until_it_has_one(client: Flask
     [
         (
             {"length_mm": 10.31},
-            "From nipple_L to dot it is 100 mm in the scan, but 10.31 were given",
+            "From nipple_L to dot it is 100 mm in the scan, but 10.31 mm were given",
         ),
         ({"to": "nose"}, 'The length ends at "nose", no landmark or mark of this scan; there are: nipple_L,'),
         ({"to": [0.0, 0.0, 9000.0]}, "An end of the length lies outside of the scan"),

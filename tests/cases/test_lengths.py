@@ -143,7 +143,7 @@ def test_what_was_found_on_the_scan_is_looked_for_again(case: CaseFolder, scan: 
     [
         ("nipple_L", "nose", 97.0, 'The length ends at "nose", no landmark or mark of this scan; there are: nipple_L,'),
         ("dot", "dot", 97.0, "both are dot"),
-        ("nipple_L", "dot", 9.7, "it is 100 mm in the scan, but 9.7 were given; check the scan's unit"),
+        ("nipple_L", "dot", 9.7, "it is 100 mm in the scan, but 9.7 mm were given; check the scan's unit"),
     ],
 )
 def test_a_length_that_cannot_be_meant_changes_nothing(case: CaseFolder, scan: str, start, end, mm, says: str) -> None:

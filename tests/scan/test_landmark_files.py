@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from breastrig.scan.landmarks.landmark_files import (
     certain_landmarks,
     landmark_confidences,
     landmark_file,
+    landmarks_of_file,
     metres_per_unit,
     read_landmarks,
 )
@@ -428,3 +430,24 @@ def test_a_file_without_a_unit_is_in_the_only_one_in_which_it_lies_on_the_scan(s
     assert metres_per_unit(places, None, metres, box) == metres
     assert metres_per_unit(places, "mm", 1.0, box) == 0.001
     assert metres_per_unit({"a": np.array([1e5, 0.0, 0.0])}, None, 1.0, box) == 1.0  # refused later, in the scan's unit
+
+
+def test_our_file_may_say_of_which_size_of_the_scan_it_is() -> None:
+    places = {"nipple_L": np.array([100.0, 0.0, 50.0])}
+    content = landmark_file(places, "json", "mm", marks={"dot": np.array([10.0, 0.0, 0.0])}, scale=1.25)
+    for scale, x in ((1.0, 80.0), (1.25, 100.0), (1.1, 88.0)):
+        found = landmarks_of_file(content, no_scan, scale=scale)
+        assert found.points_mm["nipple_L"][0] == pytest.approx(x)
+        assert found.marks_mm["dot"][0] == pytest.approx(x / 10.0)
+    without = landmark_file(places, "json", "mm")
+    assert landmarks_of_file(without, no_scan, scale=1.1).points_mm["nipple_L"][0] == 100.0
+    others = json.dumps({"landmarks": {"nipple_L": [100.0, 0.0, 50.0]}, "unit": "mm", "scale": 7.0}).encode()
+    assert landmarks_of_file(others, no_scan).points_mm["nipple_L"][0] == 100.0, "another program's word"
+    for wrong in (0.0, -1.0, True, "1"):
+        document = json.loads(content) | {"scale": wrong}
+        with pytest.raises(BadLandmarks, match='"scale" in this landmark file is no number above 0'):
+            landmarks_of_file(json.dumps(document).encode(), no_scan)
+
+
+def no_scan() -> Any:
+    raise AssertionError("the file names its unit")

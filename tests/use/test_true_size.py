@@ -259,8 +259,11 @@ def test_the_size_is_no_doubt_any_more(tmp_path: Path) -> None:
         (("a", "b", "1e9"), "must be a number of millimetres above 0"),
         (("a", "a", 187.0), "A length has two ends, and both are a"),
         (("a", "c", 187.0), r'The length ends at "c", no landmark or mark of this scan; there are: a, b\.'),
-        (("a", "b", 18.7), "it is 100 mm in the scan, but 18.7 were given; check the scan's unit and the millimetres"),
-        (("a", "b", 126.0), "it is 100 mm in the scan, but 126 were given"),
+        (
+            ("a", "b", 18.7),
+            "it is 100 mm in the scan, but 18.7 mm were given; check the scan's unit and the millimetres",
+        ),
+        (("a", "b", 126.0), "it is 100 mm in the scan, but 126 mm were given"),
     ],
 )
 def test_a_length_that_cannot_be_meant_is_refused_in_one_sentence(given, says: str) -> None:

@@ -20,7 +20,7 @@ def picks_of_file(data: bytes, scan: StoredScan, model: ServedModel) -> Picks:
     """The landmarks of a file on this scan, under the model's names. Raises BadLandmarks."""
     bounds = scan.facts["bounds_m"]
     measured = METRES_PER_UNIT[scan.facts["unit"]], (np.array(bounds["min"]), np.array(bounds["max"]))
-    found = landmarks_of_file(data, lambda: measured)
+    found = landmarks_of_file(data, lambda: measured, scale=_scale(scan))
     picks = with_marks(found, _words(model))
     check_landmarks(picks, scan, model)
     return picks
@@ -52,14 +52,16 @@ def _scale(scan: StoredScan) -> float:
     return factor
 
 
-def written_file(given: wire.GivenLandmarkFile, kind: str, unit: str) -> bytes:
-    """The landmarks of a request as a file: json in mm, other kinds in the scan's `unit`. Raises BadLandmarks."""
+def written_file(given: wire.GivenLandmarkFile, kind: str, scan: StoredScan) -> bytes:
+    """The landmarks of a request as a file: json in mm, other kinds in the scan's unit. Raises BadLandmarks."""
+    unit = scan.facts["unit"]
     factor = METRES_PER_UNIT[given.unit] / (1e-3 if kind == "json" else METRES_PER_UNIT[unit])
     places, marks = (
         {name: np.array([float(f"{value:.8g}") for value in at]) for name, at in each.items()}
         for each in _scaled(given, factor)
     )
-    return landmark_file(places, kind, "mm" if kind == "json" else None, given.certain, given.confidence, marks)
+    known = given.certain, given.confidence
+    return landmark_file(places, kind, "mm" if kind == "json" else None, *known, marks, given.scale or _scale(scan))
 
 
 def _scaled(given: wire.GivenLandmarkFile, factor: float) -> tuple[Points, Points]:

@@ -3,7 +3,6 @@
 Each is replaced as a whole; where the ETag of the one that was seen is given, only that one.
 """
 
-import json
 from collections.abc import Callable, Collection
 from typing import Any, TypeVar
 
@@ -23,7 +22,7 @@ from breastrig.cases.documents import (
 )
 from breastrig.cases.layout import scan_part
 from breastrig.cases.writing import Changed, put, sync_folder
-from breastrig.core.errors import BadDrawing, BadInput, Conflict
+from breastrig.core.errors import BadDrawing, Conflict
 from breastrig.core.picks import Picks
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.hand_cuts import cut_in
@@ -31,6 +30,7 @@ from breastrig.scan.landmarks.landmark_files import (
     certain_landmarks,
     landmark_confidences,
     landmark_file,
+    landmark_scale,
     read_landmarks,
     read_marks,
 )
@@ -56,7 +56,7 @@ def get_landmarks(case: CaseFolder, scan_id: str) -> Picks:
         {name: (per_unit * point).tolist() for name, point in each.items()} for each in (points, read_marks(content)[0])
     )
     picks = Picks(places, certain_landmarks(content), landmark_confidences(content), marks)
-    return picks.times(_factor(case, scan_id) / _scale_of(content))
+    return picks.times(_factor(case, scan_id) / (landmark_scale(content) or 1.0))
 
 
 def put_landmarks(
@@ -75,16 +75,7 @@ def landmark_document(picks: Picks, scale: float = 1.0) -> bytes:
     places, marks = (
         {name: np.array(point) for name, point in each.items()} for each in (picks.points_mm, picks.marks_mm)
     )
-    content = landmark_file(places, "json", "mm", picks.certain, picks.confidence, marks)
-    return content if scale == 1.0 else content_of(json.loads(content) | {"scale": scale})
-
-
-def _scale_of(content: bytes) -> float:
-    """The size in which a document of landmarks is.  Raises BadInput."""
-    scale = json.loads(content).get("scale", 1.0) if content.lstrip()[:1] == b"{" else 1.0
-    if not isinstance(scale, float | int) or not 0.0 < scale < 1e3:
-        raise BadInput(f'"scale" in {layout.LANDMARKS} of this case is no number above 0; put a copy back.')
-    return scale
+    return landmark_file(places, "json", "mm", picks.certain, picks.confidence, marks, scale)
 
 
 def _factor(case: CaseFolder, scan_id: str) -> float:

@@ -88,8 +88,8 @@ def true_size(length: Length, places: Mapping[str, Array]) -> TrueSize:
     measured = round(apart, 6)  # the same size where a length is given back, to the last bit
     if not measured * LEAST <= length.mm <= measured * MOST:
         raise BadLandmarks(
-            f"From {length.start} to {length.end} it is {measured:.0f} mm in the scan, but {length.mm:g} were given; "
-            "check the scan's unit and the millimetres."
+            f"From {length.start} to {length.end} it is {measured:.0f} mm in the scan, but {length.mm:g} mm were "
+            "given; check the scan's unit and the millimetres."
         )
     ends = places[length.start], places[length.end]
     return TrueSize(length, measured, length.mm / measured, (_in_mm(ends[0]), _in_mm(ends[1])))

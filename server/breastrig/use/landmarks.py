@@ -85,11 +85,15 @@ def propose_landmarks(scan: Scan | str | Path, *, units: str = "auto", model: Mo
 
 
 def landmarks_in_mm(
-    given: Landmarks, scan: ScanSource, certain: Sequence[str] = (), marks: Mapping[str, ArrayLike] = NOTHING
+    given: Landmarks,
+    scan: ScanSource,
+    certain: Sequence[str] = (),
+    marks: Mapping[str, ArrayLike] = NOTHING,
+    scale: float = 1.0,
 ) -> Picks:
     """Places in mm, the confidences that stand beside them, and what is certain: `certain` and what the file names.
 
-    `marks` are in the scan's unit and frame, and join those of the file.
+    `marks` are in the scan's unit and frame, and join those of the file; `scale` as in `landmarks_of_file`.
 
     A file without a unit of its own has the scan's; only then, or for places that a program gives, the scan is read.
     Raises BadLandmarks.
@@ -98,7 +102,7 @@ def landmarks_in_mm(
         raise BadLandmarks(f'certain must be a list of landmarks\' names, as in ["{certain[:100]}"].')
     found = Picks()
     if isinstance(given, str | Path):
-        found = landmarks_of_file(Path(given), lambda: scan.read()[0].measured)
+        found = landmarks_of_file(Path(given), lambda: scan.read()[0].measured, scale=scale)
     found = replace(found, certain=(*found.certain, *certain))
     given = {} if given is None or isinstance(given, str | Path) else given
     if not given and not marks:

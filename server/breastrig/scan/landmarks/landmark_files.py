@@ -103,6 +103,18 @@ def landmark_confidences(source: Path | bytes) -> dict[str, float]:
     return {name: float(value) for name, value in found.items()}
 
 
+def landmark_scale(source: Path | bytes) -> float | None:
+    """The scan's size in which the places of our JSON are, times that of its file; None where that is not said.
+
+    Raises BadLandmarks.
+    """
+    document = _parsed(_text(source))
+    scale = document.get("scale") if document.get("schema") == SCHEMA else None
+    if scale is not None and (isinstance(scale, bool) or not isinstance(scale, float | int) or not 0.0 < scale < 1e3):
+        raise BadLandmarks('"scale" in this landmark file is no number above 0; mend or remove it.')
+    return scale
+
+
 def certain_landmarks(source: Path | bytes) -> tuple[str, ...]:
     """The picks that a person is certain of, as the file names them; none in files of other programs.
 
@@ -145,11 +157,13 @@ def landmark_file(
     certain: Sequence[str] = (),
     confidence: Mapping[str, float] = MappingProxyType({}),
     marks: Mapping[str, Array] = MappingProxyType({}),
+    scale: float = 1.0,
 ) -> bytes:
     """The bytes of a landmark file; file_type is one of FILE_TYPES.
 
-    `unit`, `certain` and `confidence` are written into our JSON only: in the other kinds the points must be in the
-    scan's unit, and there is no place for what is known of them; marks are points among the others there.
+    `unit`, `certain`, `confidence` and `scale` (landmark_scale) are written into our JSON only: in the other kinds the
+    points must be in the scan's unit, and there is no place for what is known of them; marks are points among the
+    others there.
     """
     points, marked = ({name: list(map(float, place)) for name, place in each.items()} for each in (places, marks))
     if file_type == "json":
@@ -157,6 +171,7 @@ def landmark_file(
         document |= {"certain": list(certain)} if certain else {}
         document |= {"confidence": dict(confidence)} if confidence else {}
         document |= {"marks": marked} if marked else {}
+        document |= {"scale": scale} if scale != 1.0 else {}
         return (json.dumps(document, indent=1, allow_nan=False) + "\n").encode()
     points |= marked
     if file_type == "csv":
@@ -337,10 +352,14 @@ def metres_per_unit(
 
 
 def landmarks_of_file(
-    source: Path | bytes, scan: Callable[[], tuple[float, tuple[Array, Array]]], file_type: str | None = None
+    source: Path | bytes,
+    scan: Callable[[], tuple[float, tuple[Array, Array]]],
+    file_type: str | None = None,
+    scale: float = 1.0,
 ) -> Picks:
     """The landmarks of a file, mm; `scan` gives unit (m) and bounds as above, called only where the file has no unit.
 
+    `scale` is the scan's size, times that of its file: places that are said to be of another are taken to it.
     Raises BadLandmarks with one sentence.
     """
     places, unit = read_landmarks(source, file_type)
@@ -349,7 +368,8 @@ def landmarks_of_file(
     points, marked = (
         {name: (1e3 * metres * place).tolist() for name, place in each.items()} for each in (places, marks)
     )
-    return Picks(points, certain_landmarks(source), landmark_confidences(source), marked, open_names)
+    picks = Picks(points, certain_landmarks(source), landmark_confidences(source), marked, open_names)
+    return picks.times(scale / (landmark_scale(source) or scale))
 
 
 def _checked(pairs: list[tuple[str, Any]], kind: str = "landmark") -> dict[str, Array]:

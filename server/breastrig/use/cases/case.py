@@ -31,7 +31,7 @@ from breastrig.scan.images.added_lesions import TakenLesions
 from breastrig.scan.images.dicom_files import sha256_of
 from breastrig.scan.landmarks.marks import with_marks
 from breastrig.scan.landmarks.names import known_name
-from breastrig.scan.true_size import checked_mm
+from breastrig.scan.true_size import checked_mm, kept_factor
 from breastrig.scan.volumes.answers import checked_answers
 from breastrig.use.cases.case_work import (
     asked_fit,
@@ -198,11 +198,12 @@ class Case:
         """Replaces the scan's landmarks: name -> (3,) place in its unit and frame, or the path of a landmark file.
 
         Those named in `certain` are always followed.  `marks` are places on the skin under any other names, beside
-        those of the file.  Of a scan with a length all are in the true size, those of a file, too: to take places that
-        were picked on the scan's own file, `delete_length`, put them, then `put_length`.
+        those of the file.  Of a scan with a length all are in the true size, those of a file, too, unless its `scale`
+        says another (1: the scan's own file): else `delete_length`, put them, then `put_length`.
         Raises BadLandmarks or another BadInput.
         """
-        given = landmarks_in_mm(landmarks, ScanSource(self.read_scan(scan), "auto"), certain, marks)
+        scale = kept_factor(self._folder.scan_folder(scan))
+        given = landmarks_in_mm(landmarks, ScanSource(self.read_scan(scan), "auto"), certain, marks, scale)
         rig = loaded(model_choice(None).of(self._folder.scan(scan).facts))
         put_landmarks(self._folder, scan, with_marks(given, landmark_words(rig)))
 

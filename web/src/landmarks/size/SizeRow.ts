@@ -8,6 +8,7 @@ import { el, setText, show } from "../../ui/dom";
 import { numberField } from "../../ui/NumberField";
 import type { Panel } from "../../ui/Panel";
 import { isMark, markCalled } from "../picks";
+import { sentenceOf } from "../questions/questions";
 import type { LandmarksSlice } from "../state";
 import type { SizeActions } from "./actions";
 import { inScan, isRuler, rulerKey, type RulerSlice, type Side } from "./ruler";
@@ -35,7 +36,7 @@ export function createSizeRow(actions: SizeActions): Panel<Shown> {
   remove.title = text.removeHint;
   const protocol = el("a", { href: "/api/scan_protocol.pdf", target: "_blank" }, text.protocol);
   const wrong = problem(() => actions.dismiss());
-  const element = el("section", { class: "panel", id: "true-size", "aria-label": text.label }, el("p", { class: "label" }, text.label), said, el("div", { class: "toolbar" }, measure, remove), ...ends.map(({ list }) => list.element), field.element, apply, wrong.element, protocol);
+  const element = el("section", { class: "panel", id: "true-size", "aria-label": text.label }, el("p", { class: "label" }, text.label), said, el("div", { class: "toolbar crop-row" }, measure, remove), ...ends.map(({ list }) => list.element), field.element, apply, wrong.element, protocol);
   return {
     element,
     select: only("meta", "problems", "scan", "picks", "active", "ruler"),
@@ -61,7 +62,9 @@ export function createSizeRow(actions: SizeActions): Panel<Shown> {
       of = `${scan?.info.id} ${scale?.factor}`;
       field.set(mm === null ? null : mm / 10);
       apply.disabled = found === null;
-      wrong.set(problems.size);
+      const isNew = problems.size !== undefined && wrong.element.hidden;
+      wrong.set(problems.size && sentenceOf({ names: [], reason: problems.size }, meta?.landmarks ?? []));
+      if (isNew) wrong.element.scrollIntoView({ block: "nearest" });
     },
   };
 }

@@ -82,8 +82,8 @@ def read_landmark_file(scan_id: str, files_data: wire.LandmarkUpload) -> wire.La
     """The landmarks of a file, mm
 
     As the command line reads it: any kind of file, in the scan's frame, under the model's names.  Nothing is kept; send
-    them with PUT.  Of a scan with a length they are taken to be in the true size, as the answer's `scale` says: PUT
-    places that were picked on the scan's own file with `scale` 1.
+    them with PUT.  Of a scan with a length they are in the true size, as the answer's `scale` says, to which those of a
+    file with a `scale` of its own are taken; PUT places that were picked on the scan's own file with `scale` 1.
     """
     context = app_context()
     row = get_scan(context.service.storage, scan_id)
@@ -102,8 +102,8 @@ def write_landmark_file(scan_id: str, kind: str, json_data: wire.GivenLandmarkFi
 
     Nothing is kept.
     """
-    unit = get_scan(app_context().service.storage, scan_id).facts["unit"]
-    return bytes_answer(written_file(json_data, kind, unit), BINARY, PERSONAL)
+    row = get_scan(app_context().service.storage, scan_id)
+    return bytes_answer(written_file(json_data, kind, row), BINARY, PERSONAL)
 
 
 @of_scans.get("/<scan_id>/cuts")
