@@ -53,6 +53,8 @@ def main() -> None:
     parser.add_argument("--kind", choices=KINDS, help="women of this kind only")
     parser.add_argument("--first", type=int, default=0, help="number of the first woman")
     parser.add_argument("--poses", type=int, metavar="N", help="of each woman's three scans the first N")
+    parser.add_argument("--pairs", action="store_true", help="of each woman one standing and one supine scan instead")
+    parser.add_argument("--group", choices=sorted({*GROUPS}), help="women of this group only")
     parser.add_argument("--part", default="0/1", help="K/N: only women k of each n, for several processes")
     options = parser.parse_args()
     wanted = tomllib.loads((HERE / "recipe.toml").read_text("utf-8"))["source"]
@@ -62,10 +64,10 @@ def main() -> None:
     for number in range(options.first + part, options.first + options.women, parts):
         kind = options.kind or [*KINDS][number % len(KINDS)]
         place = options.folder / f"{kind}_{number:03d}_{group_of(number)}"
-        if not (place / "patient.json").is_file():
+        if not (place / "patient.json").is_file() and options.group in (None, group_of(number)):
             try:
-                write_woman(place, source, net, trunk, number, kind, options.poses)
-            except ValueError as error:  # of some heavy ones no fold is found
+                write_woman(place, source, net, trunk, number, kind, None if options.pairs else options.poses or 3)
+            except (ValueError, RuntimeError) as error:  # no fold of a heavy one is found, or a solver fails
                 print(f"{place.name} is left out: {error}")
 
 
@@ -76,7 +78,7 @@ def group_of(number: int) -> str:
 
 
 def write_woman(place: Path, source: Source, net: Net, trunk: Net, number: int, kind: str, scans: int | None) -> None:
-    """Her scans; patient.json comes last."""
+    """Her first scans, or a pair of them (None); patient.json comes last."""
     random = np.random.default_rng((FIRST, number))
     woman = KINDS[kind](FIRST + number)
     folds = random.uniform(*FOLDS, (int(random.integers(1, 3)) if kind == "heavy" else 0, 2))
@@ -84,7 +86,8 @@ def write_woman(place: Path, source: Source, net: Net, trunk: Net, number: int, 
     stature = STATURE * np.exp(SPREAD * random.standard_normal())
     body = Body(source, stature / np.ptp(skin[np.unique(source.quads), 1]) * skin, *net.fine)
     marks = landmarks(body, trunk)
-    chosen = islice(islice(poses(random), number // len(GROUPS) % 2, None, 2), scans)
+    turn = islice(poses(random), number // len(GROUPS) % 2, None, 2)
+    chosen = pair(random) if scans is None else islice(turn, scans)
     for k, (name, stands, turns) in enumerate(chosen):
         moved = with_folds(posed(body, net, marks, woman, stands, turns), folds)
         hair = random.random() < HAIR
@@ -116,6 +119,13 @@ def poses(random: np.random.Generator) -> Iterator[tuple[str, bool, Turns]]:
         yield name, stands, _turns(random, both, backwards, None)
         if name == "standing_middle":
             yield HIPS, True, _turns(random, random.uniform(30.0, 55.0), random.uniform(5.0, 25.0), (-95.0, -20.0))
+
+
+def pair(random: np.random.Generator) -> list[tuple[str, bool, Turns]]:
+    """One standing and one supine pose, drawn of them."""
+    found = [*poses(random)]
+    both = [[each for each in found if each[1] == stands] for stands in (True, False)]
+    return [some[int(random.integers(len(some)))] for some in both]
 
 
 def _turns(random: np.random.Generator, angle: float, backwards: float, elbow: tuple[float, float] | None) -> Turns:
