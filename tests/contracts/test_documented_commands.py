@@ -89,6 +89,9 @@ LISTED = {  # why they are not run here, or the test that runs them
     "tests/report/test_protocol.py": [
         "breastrig protocol -o protocol.pdf",
     ],
+    "tests/cli/test_report_command.py": [
+        "breastrig report supine/ --with standing/ --plan plan.json -o report/",
+    ],
     "tests/report/test_template.py": [
         "breastrig template supine/ -o template.pdf",
         "breastrig template supine/ --side L -o guide.stl",

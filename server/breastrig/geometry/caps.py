@@ -13,7 +13,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.spatial import Delaunay, QhullError
 
 from breastrig.core.arrays import Array, Booleans, Integers
-from breastrig.geometry.boundary import boundary_loops
+from breastrig.geometry.boundary import boundary_edges, boundary_loops
 from breastrig.geometry.half_edges import neighbours
 
 CLEARANCE = 0.65  # of the spacing, between a rim and the grid inside it: nearer gives flat triangles
@@ -42,6 +42,14 @@ def closed(vertices: Array, faces: Integers) -> Closed:
         caps.append(made + np.arange(len(cap), dtype=np.int64))
         count, made = count + len(inner), made + len(cap)
     return Closed(np.concatenate(points), np.concatenate(triangles), tuple(caps))
+
+
+def walled(inner: Array, outer: Array, faces: Integers) -> tuple[Array, Integers]:
+    """The closed surface between two (V, 3) m places of an open one, `outer` on the side that its triangles face."""
+    count = len(inner)
+    a, b = boundary_edges(faces).T
+    walls = [np.stack([b + count, a + count, a], axis=1), np.stack([b + count, a, b], axis=1)]
+    return np.concatenate([inner, outer]), np.concatenate([faces[:, ::-1], faces + count, *walls])
 
 
 def cap_of(rim: Array) -> tuple[Array, Integers]:

@@ -2,11 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+from breastrig.core.arrays import Array
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
 from breastrig.files.result import ResultFile
+from breastrig.report.resections.resection import Resection, resection_numbers, resections
 from breastrig.report.stance import Stance
 from breastrig.report.table import Row, flat_rows
 
@@ -43,7 +46,13 @@ class Reported:
     plan: tuple[PlannedItem, ...] = ()
     lesions: tuple[Mapping[str, Any], ...] = ()  # as plan_document has them
     doubts: tuple[str, ...] = ()  # about the stances together: whether they are of one patient
+    wall: Array | None = None  # (V, 3) m, the chest wall under the model's vertices; None: the rig does not know it
     drawn_mm: float | None = None  # line error of what is drawn here; None: nothing, or nothing is known of it
+
+    @cached_property
+    def resections(self) -> tuple[Resection, ...]:
+        """What closed lines on the breasts enclose; none for a rig whose chest wall is not known."""
+        return () if self.wall is None else resections(self.stance, self.wall)
 
 
 def stance_said(result: ResultFile) -> str:
@@ -58,8 +67,8 @@ def stance_names(kinds: Sequence[str]) -> list[str]:
     return [f"{kind} {letter}" for kind, letter in zip(kinds, "AB", strict=False)]
 
 
-def report_document(stances: Sequence[Reported]) -> dict[str, object]:
-    """The document breastrig/report@1."""
+def report_document(stances: Sequence[Reported], with_plan: bool = True) -> dict[str, object]:
+    """The document breastrig/report@1; `with_plan`: with what the plan's closed lines enclose."""
     return {
         "schema": SCHEMA,
         "notice": LIMITS_OF_USE,
@@ -69,6 +78,7 @@ def report_document(stances: Sequence[Reported]) -> dict[str, object]:
             | {key: said[key] for key in FROM_RESULT if key in said}
             | {"drawn_line_error_mm": one.drawn_mm}
             | _lesions(one)
+            | (_resections(one) if with_plan else {})
             for one in stances
             for said in [one.result.document()]
         ],
@@ -82,3 +92,35 @@ def _lesions(one: Reported) -> dict[str, object]:
     """The lesions without data that only pictures need."""
     found = [{key: value for key, value in each.items() if key != "slices"} for each in one.lesions]
     return {"lesions": found} if found else {}
+
+
+def _resections(one: Reported) -> dict[str, object]:
+    """Of each closed line on a breast what it encloses, ml and grams; nothing where there is none."""
+    grams = resection_numbers().density_g_per_ml
+    found = [
+        {
+            "line": each.line,
+            "side": each.side,
+            "breast_ml": _ml(each.breast),
+            "other_breast_ml": _ml(each.other_breast),
+            "rows": [
+                {
+                    "depth_mm": None if row.depth is None else 1e3 * row.depth,
+                    "ml": _ml(row.volume),
+                    "low_ml": None if row.band is None else _ml(row.band[0]),
+                    "high_ml": None if row.band is None else _ml(row.band[1]),
+                    "grams": round(1e6 * grams * row.volume, 1),
+                    "share": round(row.share, 4),
+                    "other_ml": _ml(row.other),
+                    "left_ml": _ml(row.after),
+                }
+                for row in each.rows
+            ],
+        }
+        for each in one.resections
+    ]
+    return {"resections": found, "g_per_ml": grams} if found else {}
+
+
+def _ml(cubic_metres: float) -> float:
+    return round(1e6 * cubic_metres, 1)

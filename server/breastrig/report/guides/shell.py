@@ -13,7 +13,8 @@ from scipy.spatial import cKDTree
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadDrawing, BadInput
 from breastrig.core.stances import SIDES
-from breastrig.geometry.boundary import boundary_edges, boundary_loops, triangle_components
+from breastrig.geometry.boundary import boundary_loops, triangle_components
+from breastrig.geometry.caps import walled
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.fields.level_sets import part_above
 from breastrig.geometry.geodesic import Geodesics
@@ -78,7 +79,7 @@ def guide(stance: Stance, side: str) -> Guide:
     mean = neighbours(coarse, len(vertices))
     for _ in range(SMOOTHING):
         normals = unit_vectors(normals + mean @ normals)
-    if len(crossing_faces(*_shell(vertices, coarse, normals))):
+    if len(crossing_faces(*walled(vertices, vertices + THICK * normals, coarse))):
         raise BadDrawing("The skin is folded too narrowly for a shell there; take the supine scan, or other lines.")
     sheet, faces = np.concatenate([vertices, normals], axis=1), coarse
     for _ in range(FINER):
@@ -86,7 +87,7 @@ def guide(stance: Stance, side: str) -> Guide:
     pens = [*(_dashes(line) for line in lines), *_signs(ClosestPointSearch(vertices, coarse), way, begins, side)]
     levels = _levels(sheet[:, :3], faces, [*lines, stem], np.concatenate(pens), nipple)
     sheet, faces = _one_piece(*part_above(sheet, faces, levels, 0.0))
-    closed, triangles = _sparse(*_shell(sheet[:, :3], faces, unit_vectors(sheet[:, 3:])))
+    closed, triangles = _sparse(*walled(sheet[:, :3], sheet[:, :3] + THICK * unit_vectors(sheet[:, 3:]), faces))
     frame = body_frame(stance.rig, stance.vertices)
     tip = (_along(way, np.array([begins + TIP]))[0] - frame.middle) @ frame.axes
     return Guide(side, (closed - frame.middle) @ frame.axes, triangles, tip, length(way) - begins - TIP)
@@ -161,13 +162,3 @@ def _sparse(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
 
     found = igl.qslim(np.asfortranarray(vertices), np.asfortranarray(faces.astype(np.int32)), len(faces) // SPARSER)
     return np.ascontiguousarray(found[0]), np.ascontiguousarray(found[1], dtype=np.int64)
-
-
-def _shell(vertices: Array, faces: Integers, normals: Array) -> tuple[Array, Integers]:
-    """The closed surface of a sheet with a thickness, outwards of it."""
-    count = len(vertices)
-    a, b = boundary_edges(faces).T
-    walls = [np.stack([b + count, a + count, a], axis=1), np.stack([b + count, a, b], axis=1)]
-    return np.concatenate([vertices, vertices + THICK * normals]), np.concatenate(
-        [faces[:, ::-1], faces + count, *walls]
-    )

@@ -14,6 +14,7 @@ import typst
 
 from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.notice import LIMITS_OF_USE
+from breastrig.core.stances import SIDES
 from breastrig.core.version import __version__
 from breastrig.drawings.line_error import ACROSS, drawn_error
 from breastrig.files.result import Distances, ResultFile, SurfaceDistances
@@ -32,6 +33,7 @@ from breastrig.report.pictures import (
     uncertainty_pictures,
     views_of,
 )
+from breastrig.report.resections.resection import resection_numbers
 from breastrig.report.stance import places
 from breastrig.report.table import (
     NOT_KNOWN,
@@ -161,6 +163,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         "legend": _legend(stances),
         "plan": _plan(stances),
         "lesions": _lesions(stances),
+        "resections": [each for one in stances for each in _resections(one, len(stances) > 1)],
         "lines": _lines(stances),
         "measures": _measures(stances),
         "landmarks": _landmarks(stances),
@@ -283,6 +286,36 @@ def _lesions(stances: Sequence[Reported]) -> list[Table]:
         }
         for each in dict.fromkeys(lesion["id"] for _, lesion in shown)
     ]
+
+
+def _resections(one: Reported, is_named: bool) -> list[Table]:
+    """A table of each closed line on a breast; `is_named`: with the name of its stance."""
+    numbers = resection_numbers()
+    return [
+        {
+            "title": f"{spoken(each.line)}{f', {one.name}' if is_named else ''}",
+            "rows": [
+                [
+                    "to the chest wall" if row.depth is None else f"to {1e3 * row.depth:.0f} mm",
+                    _ml(row.volume)
+                    if row.band is None
+                    else f"{_ml(row.volume)} ({_ml(row.band[0])} to {_ml(row.band[1])})",
+                    f"{1e6 * numbers.density_g_per_ml * row.volume:.0f}",
+                    f"{100.0 * row.share:.0f} %",
+                    _ml(row.after),
+                    _ml(row.other),
+                ]
+                for row in each.rows
+            ],
+            "breasts": f"{SIDES[each.side]} {_ml(each.breast)} ml, other side {_ml(each.other_breast)} ml",
+            "density": f"{numbers.density_g_per_ml:g} ± {numbers.density_deviation:g} g/ml",
+        }
+        for each in one.resections
+    ]
+
+
+def _ml(cubic_metres: float) -> str:
+    return f"{1e6 * cubic_metres:.0f}"
 
 
 def _lesion_values(lesion: Mapping[str, Any]) -> list[tuple[str, str]]:

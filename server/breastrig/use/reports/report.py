@@ -4,6 +4,7 @@ import io
 import os
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
@@ -31,6 +32,7 @@ from breastrig.use.folder.one_body import check_one_body, doubts_between
 from breastrig.use.folder.whose import check_whose
 from breastrig.use.lines.plan_on_fit import PlanLines, plan_document, plan_on_folders
 from breastrig.use.lines.plan_words import NOT_DRAWN, planned_items
+from breastrig.volume.tetrahedra import chest_wall
 
 
 @dataclass(frozen=True)
@@ -188,10 +190,18 @@ def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
             _in_words(job, plan, fit),
             _lesions(plan),
             doubts,
+            _wall(fit),
             rounded_mm(drawn_error(lines)),
         )
         for name, stance, fit, measured, plan, lines in zip(names, stances, fits, rows, plans, drawn, strict=True)
     ]
+
+
+def _wall(fit: FitFolder) -> Array | None:
+    """(V, 3) m: the estimated chest wall; None for a rig whose inside nobody knows."""
+    with suppress(BadInput):
+        return chest_wall(fit.rig, fit.parameters, fit.vertices)
+    return None
 
 
 def _check_distances(folder: Path, result: ResultFile) -> None:
@@ -274,7 +284,7 @@ def report_pages_of(job: ReportJob) -> bytes:
 
 def measures_json_of(job: ReportJob) -> bytes:
     """report.json alone, likewise."""
-    return _within_memory(lambda: json_bytes(report_document(reported(job))))
+    return _within_memory(lambda: json_bytes(report_document(reported(job), with_plan=False)))
 
 
 def _within_memory(make: Callable[[], bytes]) -> bytes:
