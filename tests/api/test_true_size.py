@@ -90,6 +90,31 @@ def test_landmarks_say_in_which_size_they_are_and_are_taken_from_any(
     assert (again["landmarks"], again["marks"]) == (times(PICKS, 1.0), times({"dot": DOT}, 1.0))
 
 
+def test_a_plan_says_in_which_size_it_is_and_is_taken_from_any(client: FlaskClient, scan_id: str, place: str) -> None:
+    plan = f"/api/patients/{client.get(f'/api/scans/{scan_id}').json['patient']}/plan"
+    lesion = {"kind": "lesion", "id": "l", "scan": scan_id, "name": "l", "center": PICKS["nipple_L"], "radius_mm": 5.0}
+
+    def put(center: list[float], **scan: object) -> list[float]:
+        document = {
+            "schema": "breastrig/plan@1",
+            "scans": [{"id": scan_id} | scan],
+            "items": [lesion | {"center": center}],
+        }
+        kept = client.put(plan, json=document, headers={"If-Match": client.get(plan).headers["ETag"]})
+        assert kept.status_code == 200, kept.json
+        return list(kept.json["items"][0]["center"])
+
+    client.put(place, json=NAMES | {"length_mm": 100.0 * FACTOR})
+    true = [FACTOR * value for value in PICKS["nipple_L"]]
+    assert put(PICKS["nipple_L"], scale=1.0) == pytest.approx(true)
+    [said] = client.get(plan).json["scans"]
+    assert said["scale"] == pytest.approx(FACTOR)
+    assert put(true) == put(true, scale=said["scale"]) == pytest.approx(true)
+    client.delete(place)
+    assert "scale" not in client.get(plan).json["scans"][0]
+    assert put(true, scale=said["scale"]) == pytest.approx(PICKS["nipple_L"])
+
+
 def test_two_places_and_a_number_are_enough(client: FlaskClient, scan_id: str) -> None:
     place, ends = f"/api/scans/{scan_id}/length", {"from": PICKS["nipple_L"], "to": PICKS["nipple_R"]}
     found = client.put(place, json=ends | {"length_mm": 147.0}).json["scale"]

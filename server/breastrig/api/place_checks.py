@@ -20,7 +20,7 @@ def picks_of_file(data: bytes, scan: StoredScan, model: ServedModel) -> Picks:
     """The landmarks of a file on this scan, under the model's names. Raises BadLandmarks."""
     bounds = scan.facts["bounds_m"]
     measured = METRES_PER_UNIT[scan.facts["unit"]], (np.array(bounds["min"]), np.array(bounds["max"]))
-    found = landmarks_of_file(data, lambda: measured, scale=_scale(scan))
+    found = landmarks_of_file(data, lambda: measured, scale=scale_of(scan))
     picks = with_marks(found, _words(model))
     check_landmarks(picks, scan, model)
     return picks
@@ -32,7 +32,7 @@ def _words(model: ServedModel) -> dict[str, tuple[str, str]]:
 
 def given_picks(given: wire.GivenLandmarkFile, stored: Picks, scan: StoredScan) -> Picks:
     """The landmarks of a request in the scan's present size, and its marks, else those that are stored."""
-    mm, present = 1e3 * METRES_PER_UNIT[given.unit], _scale(scan)
+    mm, present = 1e3 * METRES_PER_UNIT[given.unit], scale_of(scan)
     places, marks = _scaled(given, mm * present / (given.scale or present))
     return Picks(places, tuple(given.certain), given.confidence, stored.marks_mm if given.marks is None else marks)
 
@@ -43,11 +43,12 @@ def landmark_answer(picks: Picks, scan: StoredScan) -> wire.LandmarkFile:
         marks=picks.marks_mm,
         certain=list(picks.certain),
         confidence=picks.confidence,
-        scale=_scale(scan),
+        scale=scale_of(scan),
     )
 
 
-def _scale(scan: StoredScan) -> float:
+def scale_of(scan: StoredScan) -> float:
+    """The scan's size, times that of its file."""
     factor: float = scan.facts.get("scale", {}).get("factor", 1.0)
     return factor
 
@@ -61,7 +62,7 @@ def written_file(given: wire.GivenLandmarkFile, kind: str, scan: StoredScan) -> 
         for each in _scaled(given, factor)
     )
     known = given.certain, given.confidence
-    return landmark_file(places, kind, "mm" if kind == "json" else None, *known, marks, given.scale or _scale(scan))
+    return landmark_file(places, kind, "mm" if kind == "json" else None, *known, marks, given.scale or scale_of(scan))
 
 
 def _scaled(given: wire.GivenLandmarkFile, factor: float) -> tuple[Points, Points]:

@@ -134,11 +134,11 @@ def _in_sizes(case: CaseFolder, document: PlanDocument) -> PlanDocument:
     if now == document.sizes:
         return document
     factors = {scan: now.get(scan, 1.0) / document.sizes.get(scan, 1.0) for scan in {*now, *document.sizes}}
-    items = [_times(item, factors.get(item.scan, 1.0)) for item in document.items]
+    items = [times(item, factors.get(item.scan, 1.0)) for item in document.items]
     return document.model_copy(update={"items": items, "sizes": now})
 
 
-def _times(item: PlanItem, factor: float) -> PlanItem:
+def times(item: PlanItem, factor: float) -> PlanItem:
     """The item with its places times the factor; what was said in millimetres of the patient stays."""
     if isinstance(item, PlanLine):
         return item.model_copy(update={"points": [[factor * value for value in point] for point in item.points]})

@@ -17,6 +17,7 @@ from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.stances import Stance
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.drawing_schema import SCHEMA, DrawnShape, GivenDrawing, Part, PatientCode, Point, Title
+from breastrig.scan.true_size import IN_SIZE, Scale
 
 PLAN_SCHEMA: Literal["breastrig/plan@1"] = "breastrig/plan@1"
 ITEMS, POINTS = 500, 50_000  # in one plan; points of all its lines together, as in a drawing
@@ -111,6 +112,7 @@ class ScanOfPlan(Part):
     id: ScanId
     stance: Stance | None = None
     sha256: str | None = Field(None, max_length=64, description="of the scan that was fitted, as result.json has it")
+    scale: Scale | None = Field(None, exclude_if=lambda found: found is None, description=IN_SIZE)
 
 
 class Plan(Part):

@@ -11,9 +11,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput, BadLandmarks
@@ -25,6 +26,8 @@ LEAST, MOST = (
     1.25,
 )  # times its size in the file; a scan farther off was read in a wrong unit, or the length typed so
 LONGEST = 3000.0  # mm
+Scale = Annotated[float, Field(strict=True, ge=LEAST, le=MOST)]
+IN_SIZE = "the scan's size in which places on it are, times that of its file; sent without: its present one"
 LENGTHS, PLANES = ("size_m", "bounds_m", "other_pieces"), ("background", "table")  # of a scan's facts, metres
 KEPT, SCHEMA = "length.json", "breastrig/length@1"
 EXPECTED = 'A length is two names and millimetres, as in ("nipple_L", "suprasternal_notch", 187.0).'

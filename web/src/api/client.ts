@@ -236,8 +236,9 @@ export const client = {
   plan: async (link: string): Promise<StoredPlan> => tagged(await ask(link)),
   planVersion: (link: string, version: number) => askJson<StoredPlan>(`${link}/versions/${version}`),
   /** 412 when the plan is not the one that was `seen` any more.  Browsers keep a request alive beyond its page only when it is small. */
-  async savePlan(link: string, items: readonly PlanItem[], seen: string | null): Promise<StoredPlan> {
-    const body = JSON.stringify({ items });
+  async savePlan(link: string, items: readonly PlanItem[], seen: string | null, sizes: ReadonlyMap<string, number> = new Map()): Promise<StoredPlan> {
+    const scans = [...new Set(items.map(({ scan }) => scan ?? ""))].filter((scan) => sizes.has(scan)).map((scan) => ({ id: scan, scale: sizes.get(scan) }));
+    const body = JSON.stringify({ items, scans });
     const headers = tagging(seen);
     return tagged(await ask(link, { method: "PUT", body, headers, keepalive: body.length < KEPT_ALIVE_BYTES }));
   },

@@ -373,7 +373,7 @@ export type GivenLandmarkFile = {
   unit?: "m" | "dm" | "cm" | "mm" | "in" | "ft";
   /** places on the skin of any name (moles, dots, ends of pen lines), in the unit, the scan's own frame; lines follow those that both scans have; null or left out: those stored with the scan stay */
   marks?: Record<string, [number, number, number]> | null;
-  /** the scan's size in which the places are, as in answers; null or left out: its present one */
+  /** the scan's size in which places on it are, times that of its file; sent without: its present one */
   scale?: number | null;
 };
 
@@ -1551,6 +1551,8 @@ export type ScanOfPlan = {
   stance?: "standing" | "supine" | "prone" | null;
   /** of the scan that was fitted, as result.json has it */
   sha256?: string | null;
+  /** the scan's size in which places on it are, times that of its file; sent without: its present one */
+  scale?: number | null;
 };
 
 export type ScanOwner = {

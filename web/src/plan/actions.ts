@@ -9,7 +9,7 @@ import type { PageSlice } from "../store/page";
 import type { Outbox } from "../store/outbox";
 import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
-import { type Contested, contestedOn, stepOn, stepTogether, withStepOn } from "./items";
+import { type Contested, contestedOn, stepOn, stepTogether, timesLarger, withStepOn } from "./items";
 import { type Both, createPlanKeeper, type Elsewhere } from "./keeper";
 
 type State = PageSlice & ScanSlice & FitSlice & DrawingSlice;
@@ -27,6 +27,16 @@ interface Waiting {
   readonly link: string;
   readonly base: readonly PlanItem[];
   readonly step: PlanStep;
+  readonly scale?: number | undefined; // the scan's size in which they are
+}
+
+/** In another size of the scan. */
+function inSize(waiting: Waiting, scan: string, scale: number): Waiting {
+  const factor = scale / (waiting.scale ?? scale);
+  if (factor === 1) return waiting;
+  const base = timesLarger(waiting.base, () => factor);
+  const step = stepOn(timesLarger(withStepOn(waiting.base, scan, waiting.step), () => factor), scan);
+  return { ...waiting, base, step: { ...waiting.step, lines: step.lines, lesions: step.lesions }, scale };
 }
 
 /** What is shown of a scan with what somebody else has planned on it meanwhile, as one step; null where that changes nothing. */
@@ -44,6 +54,8 @@ export function planActions(store: Store<State>, client: Client, outbox: Outbox)
   const followers: Elsewhere[] = [];
   const savers: ((scan: string) => void)[] = [];
 
+  const sizes = new Map<string, number>(); // in which the page shows scans
+
   const keeper = createPlanKeeper(client, (at, mine, now, both) => {
     const { scan } = store.get();
     for (const id of outbox.scans("lines")) {
@@ -53,7 +65,7 @@ export function planActions(store: Store<State>, client: Client, outbox: Outbox)
     const shown = scan && link(scan.info) === at ? withElsewhere(store.get(), scan.info.id, mine, now, both) : null;
     if (shown) store.set((state) => ({ ...shown, announcement: drawingText.merged, ...withProblem(state, "drawing", drawingText.merged) }));
     for (const follow of followers) follow(at, mine, now, both);
-  });
+  }, sizes);
   let unsaid: string | null = null; // what saving has complained about last
   let ledTo: { link: string; version: number; text: string } | null = null; // the last step back beyond this page
   const link = (scan: Pick<Scan, "links">): string => scan.links.plan;
@@ -70,7 +82,7 @@ export function planActions(store: Store<State>, client: Client, outbox: Outbox)
     if (!seen) return;
     const { decided: _, ...rest } = step;
     if (withStepOn(seen.items, scan.id, step) === seen.items) outbox.saved("lines", scan.id);
-    else outbox.keep("lines", scan.id, patientOf(link(scan)), { link: link(scan), base: onlyOn(seen.items, scan.id), step: rest } satisfies Waiting);
+    else outbox.keep("lines", scan.id, patientOf(link(scan)), { link: link(scan), base: onlyOn(seen.items, scan.id), step: rest, scale: sizes.get(scan.id) } satisfies Waiting);
   }
 
   const say = (scan: string, part: (state: State) => Partial<State>): void => store.set((state) => (state.scan?.info.id === scan ? part(state) : {}));
@@ -111,10 +123,11 @@ export function planActions(store: Store<State>, client: Client, outbox: Outbox)
   });
 
   /** Of a scan that is not on the page, and whose plan may not have been read there. */
-  async function saveWaiting(scan: string, { link: plan, base, step }: Waiting): Promise<void> {
+  async function saveWaiting(scan: string, { link: plan, base, step, scale }: Waiting): Promise<void> {
+    if (scale !== undefined && !sizes.has(scan)) sizes.set(scan, scale);
     try {
       const { items } = keeper.seen(plan) ?? (await keeper.read(plan));
-      outbox.keep("lines", scan, patientOf(plan), { link: plan, base: onlyOn(items, scan), step: stepTogether(base, step, items, scan).step } satisfies Waiting);
+      outbox.keep("lines", scan, patientOf(plan), { link: plan, base: onlyOn(items, scan), step: stepTogether(base, step, items, scan).step, scale } satisfies Waiting);
     } catch (error) {
       outbox.failed("lines", scan, error);
       return;
@@ -125,8 +138,11 @@ export function planActions(store: Store<State>, client: Client, outbox: Outbox)
   return {
     /** With what could not be saved of it before. */
     async read(scan: Scan): Promise<PlannedOnScan> {
+      const scale = scan.scale?.factor ?? 1;
+      sizes.set(scan.id, scale);
       const { items } = await keeper.read(link(scan));
-      const waiting = outbox.kept("lines", scan.id) as Waiting | null;
+      const kept = outbox.kept("lines", scan.id) as Waiting | null;
+      const waiting = kept && inSize(kept, scan.id, scale);
       if (!waiting) return { ...stepOn(items, scan.id), contested: null, saving: "saved" };
       const { step, contested } = stepTogether(waiting.base, waiting.step, items, scan.id);
       remember(scan, step);

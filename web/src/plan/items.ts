@@ -184,6 +184,20 @@ function sorted(value: unknown): string {
   return JSON.stringify(value, (_key, part: unknown) =>
     part !== null && typeof part === "object" && !Array.isArray(part)
       ? Object.fromEntries(Object.entries(part).filter(([, each]) => each != null && each !== "").sort(([a], [b]) => (a < b ? -1 : 1)))
-      : part,
+      : typeof part === "number" ? Math.round(part / ROUNDED) * ROUNDED : part,
   );
+}
+
+const ROUNDED = 1e-6; // by another size and back
+
+/** The items of a scan that is so many times as large; what was said in millimetres of the patient stays. */
+export function timesLarger(items: Items, factorOf: (scan: string) => number): PlanItem[] {
+  return items.map((item) => {
+    const factor = factorOf(item.scan ?? "");
+    const at = (place: Vector): Vector => place.map((value) => factor * value) as unknown as Vector;
+    if (factor === 1) return item;
+    if (isLine(item)) return { ...item, points: item.points.map(at) };
+    if (isLesion(item)) return { ...item, center: at(item.center) };
+    return item.kind === "note" && item.point ? { ...item, point: at(item.point) } : item;
+  });
 }

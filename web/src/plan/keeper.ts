@@ -4,7 +4,7 @@
 import type { Client } from "../api/client";
 import { createQueues, writtenOver } from "../api/concurrentWrites";
 import type { PlanItem, StoredPlan } from "../api/types";
-import { merged } from "./items";
+import { merged, timesLarger } from "./items";
 
 type Change = (items: readonly PlanItem[]) => readonly PlanItem[];
 
@@ -20,7 +20,23 @@ export interface Both {
 /** Somebody else has changed the plan: what is shown as `mine`, or of a plan that nobody had begun, has to follow to what it is `now`. */
 export type Elsewhere = (link: string, mine: Pick<StoredPlan, "items" | "whole">, now: Items, both: Both | null) => void;
 
-export function createPlanKeeper(client: Pick<Client, "plan" | "savePlan" | "planVersion">, elsewhere: Elsewhere = () => undefined) {
+type Service = Pick<Client, "plan" | "savePlan" | "planVersion">;
+
+/** The service as a page sees it that shows scans in these `sizes`, times those of their files: somebody may have given them others. */
+const inSizes = (client: Service, sizes: ReadonlyMap<string, number>): Service => {
+  const shown = (plan: StoredPlan): StoredPlan => {
+    const now = new Map(plan.scans.map(({ id, scale }) => [id, scale ?? 1]));
+    return { ...plan, items: timesLarger(plan.items, (scan) => (now.has(scan) ? (sizes.get(scan) ?? now.get(scan)!) / now.get(scan)! : 1)) };
+  };
+  return {
+    plan: async (link) => shown(await client.plan(link)),
+    planVersion: async (link, version) => shown(await client.planVersion(link, version)),
+    savePlan: async (link, items, seen) => shown(await client.savePlan(link, items, seen, sizes)),
+  };
+};
+
+export function createPlanKeeper(service: Service, elsewhere: Elsewhere = () => undefined, sizes: ReadonlyMap<string, number> = new Map()) {
+  const client = inSizes(service, sizes);
   const known = new Map<string, StoredPlan>(); // by link: as last read or written
   const { queued, settled } = createQueues();
 

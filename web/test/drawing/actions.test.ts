@@ -130,9 +130,9 @@ test("a failed request loses nothing: the lines stay, it is said, and the next t
   let fails = true;
   const kept = fakePlans();
   const { actions, store, names } = await drawing({
-    savePlan: async (...given) => {
+    savePlan: async (link, items, seen) => {
       if (fails) throw new ApiError("The service does not answer.", 0);
-      return kept.savePlan(...given);
+      return kept.savePlan(link, items, seen);
     },
   });
   actions.drawing.strokes([stroke(-50, 50)]);
@@ -192,7 +192,7 @@ test("a line is switched off and on without a step of the history", async () => 
 
 test("what the service keeps of a scan is there when the scan is opened", async () => {
   const items = [{ kind: "line", id: "a", scan: "s1", name: "incision", points: [[0, 0, 0], [10, 0, 0]] }, { kind: "line", id: "b", scan: "s2", name: "other", points: [[0, 0, 0]] }];
-  const made = page({ plan: async () => ({ version: 3, whole: true, items }) as StoredPlan });
+  const made = page({ plan: async () => ({ version: 3, whole: true, scans: [], items }) as unknown as StoredPlan });
   await made.actions.scan.open("s1", null);
   expect(made.store.get().drawn.lines.present).toMatchObject([{ id: "a", name: "incision", closed: false, corners: [0, 1] }]);
   expect(made.store.get().drawn.saving).toBe("saved");

@@ -2,10 +2,11 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { fakePlans, fitLinks, page, scanInfo } from "../fakes";
 import { ApiError } from "../../src/api/client";
-import type { Fit, PlanItem } from "../../src/api/types";
+import type { Fit, PlanItem, Scan, StoredPlan } from "../../src/api/types";
 import { lineAlong } from "../../src/drawing/lines/edits";
+import type { OwnLine } from "../../src/drawing/lines/lines";
 import { readDrawing, toText } from "../../src/drawing/lines/files";
-import { depthOn, drawingOn, linesOn, merged, noteOn, stepOn, stepTogether, withDepth, withDrawing, withLines, withNote } from "../../src/plan/items";
+import { depthOn, drawingOn, linesOn, merged, noteOn, stepOn, stepTogether, timesLarger, withDepth, withDrawing, withLines, withNote } from "../../src/plan/items";
 import { createPlanKeeper } from "../../src/plan/keeper";
 import { type Workspace, workspaceOf } from "../../src/stances/state";
 
@@ -331,4 +332,48 @@ test("a mirrored line stays one in the plan, and half a tumour is none", () => {
   expect(linesOn(withLines([], "scan", [{ ...line, mirrored: undefined }]), "scan")[0]!.mirrored).toBeUndefined();
   expect(withDrawing([], "scan", "tumour:clock=12,distance_mm=40,radius_mm=15")).toEqual([]);
   expect(withDrawing([], "scan", "tumour:side=L,distance_mm=40,radius_mm=15")).toEqual([]);
+});
+
+/** A service whose scan s1 somebody may give another size. */
+function sizedPlans() {
+  let scale = 1;
+  const kept = fakePlans();
+  const now = (plan: StoredPlan): StoredPlan => ({ ...plan, seen: `${plan.seen} at ${scale}`, scans: [{ id: "s1", ...(scale === 1 ? {} : { scale }) }], items: timesLarger(plan.items, () => scale) });
+  return {
+    resize: (to: number): void => void (scale = to),
+    places: async () => (await kept.plan(scanInfo("s1").links.plan)).items.flatMap((item) => (item.kind === "line" ? item.points.map(([x]) => Math.round(scale * x * 1e6) / 1e6) : [])),
+    scan: async (id: string) => ({ ...scanInfo(id), ...(scale === 1 ? {} : { scale: { factor: scale } }) }) as Scan,
+    plan: async (link: string) => now(await kept.plan(link)),
+    savePlan: vi.fn(async (link: string, items: readonly PlanItem[], seen: string | null, sizes: ReadonlyMap<string, number> = new Map()) => {
+      const [tag, at] = (seen ?? "").split(" at ");
+      if (tag !== "0" && Number(at) !== scale) throw new ApiError("Somebody has changed this plan.", 412);
+      return now(await kept.savePlan(link, timesLarger(items, () => 1 / (sizes.get("s1") ?? scale)), tag!));
+    }),
+  };
+}
+
+test("what is planned in a page that shows the size before is kept in that size, and so is what could not be saved", async () => {
+  const kept = sizedPlans();
+  const pen = (name: string, x: number): OwnLine => lineAlong(name, "#101010", [[x, 0, 0], [x + 10, 0, 0]], false);
+  const draw = async ({ actions }: ReturnType<typeof page>, name: string, x: number): Promise<void> => {
+    actions.drawing.adopt([pen(name, x)], {}, "");
+    await actions.drawing.flush();
+    await actions.plan.settled();
+  };
+  const one = page(kept);
+  await one.actions.scan.open("s1", null);
+  kept.resize(1.25);
+  await draw(one, "first", 10);
+  expect(await kept.places(), "though there was no plan, whose tag is the same in each size").toEqual([12.5, 25]);
+  kept.resize(0.8);
+  await draw(one, "second", 100);
+  expect(await kept.places()).toEqual([8, 16, 80, 88]);
+  expect(one.store.get().drawn.lines.present.map(({ name, points }) => [name, points.map(([x]) => x)]), "none twice").toEqual([["first", [10, 20]], ["second", [100, 110]]]);
+  kept.savePlan.mockRejectedValueOnce(new ApiError("Nobody answers.", 0));
+  await draw(one, "third", 200);
+  kept.resize(1.25);
+  const again = page(kept, one.tab);
+  await again.actions.scan.open("s1", null);
+  await vi.waitFor(() => expect(again.store.get().drawn.saving).toBe("saved"));
+  expect(await kept.places()).toEqual([12.5, 25, 125, 137.5, 250, 262.5]);
 });

@@ -177,7 +177,7 @@ test("from the address the stance that waits comes back with its lines, its note
     { kind: "tumour", id: "t", scan: "supine", side: "L", clock: 3, distance_mm: 30, radius_mm: 10, depth_mm: 25 },
     { kind: "note", id: "n", scan: "supine", text: "smaller" },
   ];
-  const { store, actions } = page({ plan: async () => ({ version: 1, whole: true, items }) as never });
+  const { store, actions } = page({ plan: async () => ({ version: 1, whole: true, scans: [], items }) as never });
   await actions.scan.open("standing", null);
   await actions.stances.restore("supine", null, null, { isSecond: false, isComparing: false });
   const { drawn, drawing } = store.get().stances.other!;
@@ -301,7 +301,7 @@ test("what was planned on a fitted scan that is not on the page is laid on the o
   const items = [{ kind: "lesion", id: "a", scan: "prone", name: "L1", center: [0, 0, 0], radius_mm: 5 }];
   const scans = [{ id: "standing", stance: "standing", fit: null }, { id: "prone", stance: "prone", fit: { id: "f9", state: "done" } }];
   const planOnFit = vi.fn<Client["planOnFit"]>(async () => CARRIED);
-  const { store, actions } = page({ planOnFit, plan: async () => ({ version: 1, whole: true, items }) as never, patient: async (id: string) => ({ id, scans }) as unknown as Patient });
+  const { store, actions } = page({ planOnFit, plan: async () => ({ version: 1, whole: true, scans: [], items }) as never, patient: async (id: string) => ({ id, scans }) as unknown as Patient });
   await actions.scan.open("standing", null);
   store.set({ fit: done("f1") });
   await vi.advanceTimersByTimeAsync(2000);

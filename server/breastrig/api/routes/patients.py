@@ -11,10 +11,11 @@ from flask import Response
 from breastrig.api.answers import JSON, PERSONAL, browser_forgets, bytes_answer
 from breastrig.api.app_context import app_context
 from breastrig.api.errors import refuse
-from breastrig.api.place_checks import check_near_scan
+from breastrig.api.place_checks import check_near_scan, scale_of
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.whose import check_whose
 from breastrig.api.wire import patients as wire
+from breastrig.cases.plans import times
 from breastrig.cases.writing import Changed
 from breastrig.core.errors import BadDrawing
 from breastrig.drawings.patterns import drawing_with
@@ -149,15 +150,17 @@ def replace_plan(
 
     At most 500 items, its lines with 50,000 points together; each item names one of the patient's scans.  Lines and
     places that are new lie within 10 mm of that scan's skin, but for points over a hole (`bridged`).  A plan that names
-    another code and other scans is another patient's, unless `same_patient`.
+    another code and other scans is another patient's, unless `same_patient`.  Places on a scan with a length are in the
+    true size, unless `scans` says another, as the plan that was read did.
     """
     storage = app_context().service.storage
     if headers_data.if_match is None:
         raise refuse(428, UNSEEN)
     check_whose(json_data.model_dump(mode="json"), [patient_id], query_data.same_patient)
-    _check(json_data, patient_id)
+    plan = _in_present_sizes(json_data, patient_id)
+    _check(plan, patient_id)
     seen = headers_data.if_match.strip().removeprefix("W/").strip('"')
-    items = [item.model_dump(mode="json") for item in json_data.items]
+    items = [item.model_dump(mode="json") for item in plan.items]
     try:
         return _plan_answer(patient_id, put_plan(storage, patient_id, items, seen))
     except Changed as changed:
@@ -177,6 +180,17 @@ def show_plan_on_fit(fit_id: str) -> Response:
     response = bytes_answer(service.plans.on_fit(fit_id), JSON, PERSONAL)
     response.headers["Content-Disposition"] = f"attachment; filename={service.reports.file_name('plan.json', fit_id)}"
     return response
+
+
+def _in_present_sizes(plan: Plan, patient_id: str) -> Plan:
+    """With its places in the sizes that the scans have."""
+    said = {scan.id: scan.scale for scan in plan.scans if scan.scale is not None}
+    if not said:
+        return plan
+    storage = app_context().service.storage
+    now = {row.id: scale_of(row) for row in get_scans(storage, scans_of_patient(storage, patient_id))}
+    factors = {scan: now[scan] / scale for scan, scale in said.items() if scan in now}
+    return plan.model_copy(update={"items": [times(item, factors.get(item.scan, 1.0)) for item in plan.items]})
 
 
 def _check(plan: Plan, patient_id: str) -> None:
@@ -213,7 +227,11 @@ def _plan_answer(patient_id: str, plan: PatientPlan) -> Response:
         "patient": get_patient(storage, patient_id).code,
         "version": plan.version,
         "whole": plan.is_whole,
-        "scans": [{"id": row.id, "stance": row.facts["stance"]["proposed"], "sha256": row.sha256} for row in rows],
+        "scans": [
+            {"id": row.id, "stance": row.facts["stance"]["proposed"], "sha256": row.sha256}
+            | ({} if scale_of(row) == 1.0 else {"scale": scale_of(row)})
+            for row in rows
+        ],
         "items": list(plan.items),
     }
     response = Response(json.dumps(document), mimetype=JSON, headers={"Cache-Control": "no-store"})

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from breastrig.core.stances import Stance as OneStance
 from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, LineUnit, SurfacePoint
-from breastrig.scan.true_size import LEAST, LONGEST, MOST
+from breastrig.scan.true_size import IN_SIZE, LONGEST, Scale
 from breastrig.scan.volumes.answers import MOST_CHARACTERS
 from breastrig.use.steps.events import FitEvent, IterationNumbers, NodePose
 
@@ -296,12 +296,7 @@ class GivenLandmarkFile(_Landmarks):
     marks: dict[Name, Point] | None = Field(
         None, max_length=200, description=f"{MARKS}; null or left out: those stored with the scan stay"
     )
-    scale: Finite | None = Field(
-        None,
-        ge=LEAST,
-        le=MOST,
-        description="the scan's size in which the places are, as in answers; null or left out: its present one",
-    )
+    scale: Scale | None = Field(None, description=IN_SIZE)
 
 
 class LandmarkUpload(Upload):
