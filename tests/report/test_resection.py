@@ -92,7 +92,7 @@ def test_a_line_on_one_breast_has_its_share_and_the_same_place_on_the_other(
     ]
     open_line = replace(lines[0], name="open_L", closed=False)
     wall = chest_wall(rig, rest_parameters(rig), at_rest.vertices)
-    cut, everything = resections(replace(at_rest, lines=(*lines, open_line)), wall)
+    cut, everything = resections(replace(at_rest, lines=(*lines, open_line)), lambda: wall)
     assert (cut.line, cut.side, everything.line) == ("cut_L", "L", "all_L")
     assert everything.rows[-1].share == pytest.approx(1.0, abs=1e-6)
     assert everything.rows[-1].after == pytest.approx(0.0, abs=1e-9)
@@ -106,7 +106,7 @@ def test_a_line_on_one_breast_has_its_share_and_the_same_place_on_the_other(
     assert [row.band is None for row in cut.rows] == [True, True, True, False]
     low, high = cut.rows[-1].band or (0.0, 0.0)
     assert low < volumes[-1] < high
-    shown = Reported("standing", replace(at_rest, lines=lines[:1]), result_file(), (), wall=wall)
+    shown = Reported("standing", replace(at_rest, lines=lines[:1]), result_file(), (), wall=lambda: wall)
     [written] = report_document([shown])["stances"][0]["resections"]
     assert written["rows"][-1]["ml"] == pytest.approx(1e6 * volumes[-1], abs=0.06)
     assert written["rows"][-1]["grams"] == pytest.approx(0.94e6 * volumes[-1], abs=0.06)

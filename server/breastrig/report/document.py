@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from breastrig.core.arrays import Array
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
 from breastrig.files.result import ResultFile
-from breastrig.report.resections.resection import Resection, resection_numbers, resections
+from breastrig.report.resections.resection import Resection, WallUnder, no_wall, resection_numbers, resections
 from breastrig.report.stance import Stance
 from breastrig.report.table import Row, flat_rows
 
@@ -46,13 +45,13 @@ class Reported:
     plan: tuple[PlannedItem, ...] = ()
     lesions: tuple[Mapping[str, Any], ...] = ()  # as plan_document has them
     doubts: tuple[str, ...] = ()  # about the stances together: whether they are of one patient
-    wall: Array | None = None  # (V, 3) m, the chest wall under the model's vertices; None: the rig does not know it
+    wall: WallUnder = no_wall  # asked only where lines enclose some of a breast
     drawn_mm: float | None = None  # line error of what is drawn here; None: nothing, or nothing is known of it
 
     @cached_property
     def resections(self) -> tuple[Resection, ...]:
         """What closed lines on the breasts enclose; none for a rig whose chest wall is not known."""
-        return () if self.wall is None else resections(self.stance, self.wall)
+        return resections(self.stance, self.wall)
 
 
 def stance_said(result: ResultFile) -> str:

@@ -6,6 +6,7 @@ outline, so it is larger than the report's volume, which ends before the fat beh
 """
 
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -30,6 +31,7 @@ from breastrig.report.volume import breast_outline, enclosed_volume
 
 NOT_CUT = ("areola", "new_nipple", "breast", "breast_base")  # closed lines that mark a place
 SMALL = 2e-6  # m³, under which a line encloses nothing worth a row
+WallUnder = Callable[[], Array | None]  # (V, 3) m, the chest wall under the model's vertices; it takes half a second
 STEP = 0.001  # m between points of a line
 HALVINGS = 10  # of a column, to a twentieth of a millimetre
 
@@ -115,8 +117,12 @@ class Columns:
         return enclosed_volume(closed - top.mean(axis=0), triangles)
 
 
-def resections(stance: Stance, wall: Array) -> tuple[Resection, ...]:
-    """The closed lines of a stance that enclose some of a breast; (V, 3) m `wall` is under the model's vertices."""
+def no_wall() -> None:
+    """Of a rig whose inside nobody knows."""
+
+
+def resections(stance: Stance, wall_under: WallUnder) -> tuple[Resection, ...]:
+    """The closed lines of a stance that enclose some of a breast; none where the chest wall is not known."""
     rig, frame = stance.rig, body_frame(stance.rig, stance.vertices)
     shapes = [(side, shape) for side in SIDES if (shape := breast_outline(rig, side)) is not None]
     lines = [
@@ -124,7 +130,7 @@ def resections(stance: Stance, wall: Array) -> tuple[Resection, ...]:
         for each in stance.lines
         if each.closed and len(each) > 2 and split_side(each.name.partition(" ")[0])[0] not in NOT_CUT
     ]
-    if not lines or len(shapes) < len(SIDES):
+    if not lines or len(shapes) < len(SIDES) or (wall := wall_under()) is None:
         return ()
     body = Columns(stance.vertices, wall, rig.faces)
     breasts = {side: body.inside(shape.points.positions(stance.vertices, rig.faces)) for side, shape in shapes}

@@ -6,6 +6,7 @@ import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -190,7 +191,7 @@ def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
             _in_words(job, plan, fit),
             _lesions(plan),
             doubts,
-            _wall(fit),
+            partial(_wall, fit),
             rounded_mm(drawn_error(lines)),
         )
         for name, stance, fit, measured, plan, lines in zip(names, stances, fits, rows, plans, drawn, strict=True)
