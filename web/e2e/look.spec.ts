@@ -167,5 +167,19 @@ test("mixture, mirror, lasso and measures", async ({ page, base, troubles }) => 
     await page.keyboard.press("Escape");
     await expect(page.locator(".tape-label")).toHaveCount(0);
   });
+
+  await test.step("a template is saved under the service's name, and why there is no guide is said", async () => {
+    const named = { "Content-Disposition": "attachment; filename=K7M-4QX_standing_template.pdf" };
+    await page.route("**/template.pdf", (route) => route.fulfill({ contentType: "application/pdf", headers: named, body: "%PDF" }));
+    const saved = page.waitForEvent("download");
+    await page.locator("#of-plan-template").click();
+    expect((await saved).suggestedFilename()).toBe("K7M-4QX_standing_template.pdf");
+    const detail = "No line is on the patient's left side alone; a guide shows the lines of one side.";
+    await page.route("**/guide.stl?side=L", (route) => route.fulfill({ status: 422, contentType: "application/problem+json", body: JSON.stringify({ title: "Unprocessable", status: 422, detail }) }));
+    await page.getByText("Files for programs").click();
+    await page.locator("#of-plan-left").click();
+    await expect(page.getByText(detail)).toBeVisible();
+  });
+  troubles.splice(0, troubles.length, ...troubles.filter((each) => !each.includes("422")));
   expect(troubles).toEqual([]);
 });
