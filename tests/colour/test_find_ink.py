@@ -90,6 +90,10 @@ def test_moles_scars_hair_and_grain_are_no_ink(dark: bool) -> None:
     assert find_ink(read_scan(inked_zip(bare=True, dark=dark), units="m", for_display=False)) == ()
 
 
+def test_lines_that_are_all_faint_are_no_ink() -> None:
+    assert find_ink(read_scan(inked_zip("hint"), units="m", for_display=False)) == ()
+
+
 def test_a_scan_of_one_colour_has_no_ink() -> None:
     vertices, faces, colours = vertex_coloured(120)
     assert find_ink(Scan(vertices, faces, "m", 1.0, "", "", colours=np.full_like(colours, 140))) == ()

@@ -24,6 +24,7 @@ INKS = {
     "blue": (0.015, 0.05, 0.3),
     "green": (0.01, 0.12, 0.06),
     "red": (0.4, 0.015, 0.02),
+    "hint": (0.355, 0.191, 0.165),  # what vessels or hair may look like, somewhat above what counts as ink
     "worn": (0.313, 0.162, 0.103),  # black of which little is left on this skin
 }
 MATERIAL = b"newmtl skin\nmap_Kd texture.png\n"

@@ -109,6 +109,9 @@ def find_ink(scan: Scan, factor: float = 1.0, image: NDArray[np.uint8] | None = 
         return ()
     lit = np.percentile(DENSITY[texture.face_colours], LIT, axis=0).astype(np.float64)
     lines, on_skin = measured(texture, found), scan.vertices[np.unique(scan.faces)]
+    sure = factor * limits.SURE
+    if not sorted_out(strokes(lines.pieces(sure), on_skin, sure)):
+        return ()
     drawn = sorted_out(strokes(lines.pieces(factor), on_skin, factor))
     markers = _markers(drawn, lit)
     if _black(drawn, markers) >= limits.SURE_BLACK:
