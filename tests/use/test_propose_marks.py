@@ -70,10 +70,15 @@ def test_the_marks_of_both_scans_are_proposed_in_pairs_and_written(
         assert mark.off_mm < mark.error_mm
 
 
-def test_another_scan_or_one_without_colour_is_one_sentence(folder: Path, scans: dict[str, MarkedScan]) -> None:
+def test_another_scan_a_predicted_body_or_a_scan_without_colour_is_one_sentence(
+    folder: Path, scans: dict[str, MarkedScan]
+) -> None:
     fits, files = [folder / stance for stance in STANCES], [folder / f"{stance}.zip" for stance in STANCES]
     with pytest.raises(BadInput, match="The standing fit was made of another scan than the one given"):
         breastrig.propose_marks(*fits, files[1], files[1])
+    predicted = breastrig.predict(fits[0], "supine")
+    with pytest.raises(BadInput, match="The supine body is predicted"):
+        breastrig.propose_marks(fits[0], predicted, files[0], files[0])
     plain = asset_folder("example") / "standing" / "scan.ply"
     of_scan(folder / "standing", plain.read_bytes())
     with pytest.raises(BadScan, match="too coarse"):

@@ -128,6 +128,9 @@ test("marks that both scans show in their colours are found, accepted one and al
   await box.getByRole("button", { name: "Accept all 2" }).click();
   for (const each of [here, other]) await expect.poll(() => kept(each)).toEqual(["m2", "m3", "m4"]);
   await expect(box.locator("[data-found]")).toHaveCount(0);
+  await box.getByRole("button", { name: "Find marks" }).click();
+  await expect(box, "what is a mark already is not proposed again").toContainText("1 pair is proposed; check it.");
+  await expect(box.locator("[data-found=m1]")).toHaveCount(1);
   await thumb(page, "supine").click();
   await expect(page.locator("[data-mark=m4]"), "there too").toHaveClass(/is-placed/);
   expect(troubles).toEqual([]);

@@ -44,7 +44,7 @@ from breastrig.service.task_modules import TASK_MODULES
 from breastrig.storage.deletion import delete_empty_case, delete_scan, finish_deletions
 from breastrig.storage.documents.fits import NewFit, Once, StoredFit, add_fit, fits_of_scan, get_fit, made_before
 from breastrig.storage.documents.patients import said_same, scans_of_patient
-from breastrig.storage.documents.scans import get_cuts, get_scan, put_length
+from breastrig.storage.documents.scans import get_cuts, get_landmarks, get_scan, put_length
 from breastrig.storage.files import fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
 from breastrig.storage.storage import Storage, Unremoved, utc_now
@@ -331,7 +331,9 @@ class Service:
             ]
             folders = [self.storage.files.folder(fit_place(each)) for each in both]
             is_said = scans[1].id in said_same(self.storage, scans[0].id)
-            job = MarksJob((folders[0], folders[1]), (files[0], files[1]), model, same_patient or is_said)
+            marks = [get_landmarks(self.storage, scan.id).marks_mm for scan in scans]
+            both_marks = marks[0], marks[1]
+            job = MarksJob((folders[0], folders[1]), (files[0], files[1]), both_marks, model, same_patient or is_said)
             found: dict[str, Any] = self._others.result(propose_marks_on_files, (job,), MARKS_WALL_S)
         return found
 

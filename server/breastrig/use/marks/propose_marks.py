@@ -1,6 +1,6 @@
 """Pairs of marks that the colours of two scans show: proposed, and followed once a person has accepted them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from itertools import count
@@ -95,6 +95,7 @@ class MarksJob:
 
     fits: tuple[Path, Path]
     scans: tuple[ScanFile, ScanFile]
+    marks: tuple[Mapping[str, Sequence[float]], Mapping[str, Sequence[float]]]  # mm, that the scans have by now
     model: Path | None = None  # None: the torso of the package
     one_patient: bool = False
 
@@ -106,7 +107,10 @@ def propose_marks_on_files(job: MarksJob) -> dict[str, Any]:
     """
     rig = read_rig(job.model or default_rig_path())
     try:
-        fits = [fit_folder_of(folder, rig) for folder in job.fits]
+        fits = [
+            replace(fit_folder_of(folder, rig), marks={name: 1e-3 * np.array(at) for name, at in marks.items()})
+            for folder, marks in zip(job.fits, job.marks, strict=True)
+        ]
         scans = [
             without_hand_cuts(coloured_scan(each.file, each.file_type, each.units), each.cuts) for each in job.scans
         ]
@@ -136,7 +140,8 @@ def _between(rig: Rig, fits: list[FitFolder], scans: list[ScanInMetres], one_pat
     from breastrig.colour.spots import find_spots  # scikit-image and SciPy's filters are for coloured scans only
 
     check_one_body(fits[0], fits[1], one_patient)
-    spots = [find_spots(_in_true_size(scan, fit)) for scan, fit in zip(scans, fits, strict=True)]
+    ready = [_in_true_size(scan, fit) for scan, fit in zip(scans, fits, strict=True)]
+    spots = [find_spots(scan) for scan in ready]
     small = [_small(each) for each in spots]
     a, b = (fit.fitted_scan for fit in fits)
     pairs = paired(rig, a, b, *small)
@@ -153,15 +158,18 @@ def _between(rig: Rig, fits: list[FitFolder], scans: list[ScanInMetres], one_pat
         for name, pair in zip(names, pairs, strict=False)
     )
     shown = [int(followed(rig, fit.fitted_scan, each).sum()) for fit, each in zip(fits, small, strict=True)]
+    pairs_said = "1 pair is proposed; check it." if len(found) == 1 else f"{len(found)} pairs are proposed; check each."
     found.says = (
         f"The {fits[0].stance} scan shows {shown[0]} small marks in its colours, the {fits[1].stance} scan {shown[1]}: "
-        + (f"{len(found)} pairs are proposed; check each." if found else "none of them are a sure pair. Pick them.")
+        + (pairs_said if found else "none of them are a sure pair. Place marks by hand.")
     )
     return found
 
 
 def _in_true_size(scan: ScanInMetres, fit: FitFolder) -> ScanInMetres:
-    """The scan in the size that was fitted; BadInput for another scan."""
+    """The scan in the size that was fitted; BadInput for another scan, and for a body that none shows."""
+    if fit.result.predicted:
+        raise BadInput(f"The {fit.stance} body is predicted; marks are found between two scans, so give their fits.")
     if scan.sha256 != fit.result.scan.sha256:
         raise BadInput(
             f"The {fit.stance} fit was made of another scan than the one given; give the file it was made of."

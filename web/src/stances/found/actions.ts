@@ -30,10 +30,11 @@ export function foundActions(store: Store<State>, client: Pick<Client, "proposeM
       if (foundOn(store.get().found, of.scans)) store.set({ found: now });
     },
 
-    accept(names: readonly string[]): void {
-      const { scan, found, stances } = store.get();
+    accept(asked: readonly string[]): void {
+      const { scan, found, stances, picks: own } = store.get();
       const other = scannedOther(stances);
       if (!scan || !other?.scan || !foundOn(found, [scan.info.id, other.scan.info.id])) return;
+      const names = asked.filter((name) => !(markKey(name) in own.present || markKey(name) in other.picks.present)); // a person has named another one so meanwhile
       const [mine, its] = [scan.info.id, other.scan.info.id].map((id) => Object.fromEntries(placesOn(found, id).flatMap(([name, place]) => (names.includes(name) ? [[markKey(name), place]] : []))));
       const picks = record(other.picks, { ...other.picks.present, ...its });
       store.set((state) => ({ found: state.found && without(state.found, names), stances: { ...state.stances, other: { ...other, picks, saving: "unsaved" } } }));
