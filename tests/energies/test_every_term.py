@@ -11,12 +11,14 @@ from helpers.gradient_check import assert_jacobian_matches_finite_differences
 from helpers.random_pose import random_parameters
 
 import breastrig.energies
+from breastrig.core.stances import split_side
 from breastrig.correspondence.match import Correspondences
 from breastrig.energies.body_prior import BodyPrior
 from breastrig.energies.folding import Folding
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
 from breastrig.energies.landmarks import LandmarkObservation, Landmarks
+from breastrig.energies.modes import Modes
 from breastrig.energies.point_to_plane import PointToPlane
 from breastrig.energies.point_to_point import PointToPoint
 from breastrig.energies.scale_prior import ScalePrior
@@ -24,9 +26,10 @@ from breastrig.energies.shape_prior import ShapePrior
 from breastrig.energies.symmetry import Symmetry
 from breastrig.energies.table_contact import TableContact
 from breastrig.geometry.plane import Plane
-from breastrig.least_squares.newton import assemble
+from breastrig.least_squares.newton import assemble, wide
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import LEAST_GAP, Rig
+from breastrig.rig.modes import mode_count
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.state import BodyState
 
@@ -39,7 +42,7 @@ def matches(rig: Rig, rng: np.random.Generator) -> Correspondences:
 
 
 def random_state(rig: Rig, rng: np.random.Generator) -> BodyState:
-    return BodyState(rig, random_parameters(rig, rng))
+    return BodyState(rig, replace(random_parameters(rig, rng), modes=rng.normal(size=mode_count(rig))))
 
 
 def tight_joints(rig: Rig) -> Joints:
@@ -84,7 +87,15 @@ TERMS: dict[str, Callable[[Rig, np.random.Generator], Any]] = {
     ),
     "folding": lambda rig, _: Folding(rig, 1.02, 0.1),
     "joint_limits": lambda rig, _: JointLimits(tight_joints(rig), 0.03),
+    "modes": lambda rig, _: Modes(rig, 0.5),
 }
+MODES = "landmarks = {names}\nwidth = 0.1\nalong = 0.01\nacross = 0.005\nsymmetry = 0.5"
+
+
+def rigs(rig: Rig, term: str) -> tuple[Rig, ...]:
+    """Without smooth modes, and with them: most terms know nothing of these."""
+    flexible = replace(rig, known={"modes.toml": MODES.format(names=[split_side(n)[0] for n in rig.landmark_names])})
+    return (flexible,) if term == "modes" else (rig, flexible)
 
 
 def test_point_to_point_can_stand_for_point_to_plane_too(toy_rig: Rig) -> None:
@@ -108,19 +119,21 @@ def test_no_term_is_forgotten() -> None:
 @pytest.mark.parametrize("name", TERMS)
 @pytest.mark.parametrize("seed", range(3))
 def test_the_jacobian_matches_finite_differences(name: str, seed: int, toy_rig: Rig) -> None:
-    rng = np.random.default_rng(seed)
-    term = TERMS[name](toy_rig, rng)
-    assert_jacobian_matches_finite_differences(term, toy_rig, random_state(toy_rig, rng))
+    for rig in rigs(toy_rig, name):
+        rng = np.random.default_rng(seed)
+        term = TERMS[name](rig, rng)
+        assert_jacobian_matches_finite_differences(term, rig, random_state(rig, rng))
 
 
 @pytest.mark.parametrize("name", TERMS)
 def test_the_normal_equations_are_those_of_the_jacobian(name: str, toy_rig: Rig) -> None:
     """However the solver forms them: a structured term gives its own."""
     rng = np.random.default_rng(6)
-    term = TERMS[name](toy_rig, rng)
-    for state in (random_state(toy_rig, rng), random_state(toy_rig, rng)):
+    for rig in rigs(toy_rig, name):
+        term, state = TERMS[name](rig, rng), random_state(rig, rng)
         lin, found = term.linearise(state), assemble([term], state)
-        hessian, gradient = lin.jacobian.T @ lin.jacobian, lin.jacobian.T @ lin.residual
+        slope = wide(lin.jacobian, state.dof)
+        hessian, gradient = slope.T @ slope, slope.T @ lin.residual
         np.testing.assert_allclose(found.hessian, hessian, rtol=0, atol=1e-10 * np.abs(hessian).max())
         np.testing.assert_allclose(found.gradient, gradient, rtol=0, atol=1e-10 * np.abs(gradient).max())
         assert found.energy == pytest.approx(0.5 * lin.residual @ lin.residual, rel=1e-12)

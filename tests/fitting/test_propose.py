@@ -86,7 +86,7 @@ def test_areolae_that_the_scan_shows_place_the_nipples_and_without_colour_the_fo
     for name in ("nipple_L", "nipple_R"):
         off, form = (np.linalg.norm(each[name].point - per_unit * true[name]) for each in (coloured, plain))
         assert off < 0.004
-        assert form > 0.006  # what the form alone can say
+        assert form > 1.4 * off  # what the form alone can say
         assert plain[name].reason is None
     by_form = {*HOLLOWS.values()}
     by_colour = {name for name, each in coloured.items() if each.reason and each.reason not in by_form}

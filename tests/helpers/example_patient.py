@@ -28,6 +28,13 @@ def silent(recipe: Recipe) -> Recipe:
     return recipe.model_copy(update={"partners": {}})
 
 
+def without_modes(recipe: Recipe) -> Recipe:
+    """The recipe that moves bones and shapes alone."""
+    return recipe.model_copy(
+        update={"stages": tuple(each.model_copy(update={"free_modes": False}) for each in recipe.stages)}
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Patient:
     rig: Rig

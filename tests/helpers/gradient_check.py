@@ -5,6 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from breastrig.least_squares.newton import wide
+from breastrig.rig.modes import with_modes
+
 
 def numeric_jacobian(term: Any, x: Any, step: float = 1e-6) -> np.ndarray:
     """(M, P) central differences of term.residual at x."""
@@ -19,7 +22,7 @@ def numeric_jacobian(term: Any, x: Any, step: float = 1e-6) -> np.ndarray:
 def parameter_names(rig: Any) -> Sequence[str]:
     """A name for each tangent entry, so that a failing check says which one is wrong."""
     kinds = [f"{kind}_{axis}" for kind in ("rotation", "translation", "scale") for axis in "xyz"]
-    return [f"{bone}.{kind}" for bone in rig.bone_names for kind in kinds] + list(rig.shape_names)
+    return [f"{bone}.{kind}" for bone in rig.bone_names for kind in kinds] + list(with_modes(rig).shape_names)
 
 
 def assert_jacobian_matches_finite_differences(term: Any, rig: Any, x: Any, tolerance: float = 2e-7) -> None:
@@ -28,6 +31,6 @@ def assert_jacobian_matches_finite_differences(term: Any, rig: Any, x: Any, tole
     np.testing.assert_array_equal(linearised.residual, term.residual(x))
     expected = numeric_jacobian(term, x)
     size = max(1.0, float(np.abs(expected).max()))
-    wrong = np.abs(linearised.jacobian - expected).max(axis=0) > tolerance * size
+    wrong = np.abs(wide(linearised.jacobian, x.dof) - expected).max(axis=0) > tolerance * size
     names = parameter_names(rig)
     assert not wrong.any(), f"{term.name}: wrong derivative for {[names[k] for k in np.flatnonzero(wrong)]}"

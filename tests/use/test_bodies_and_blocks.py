@@ -47,8 +47,7 @@ def test_the_parameters_of_a_refined_fit_pose_its_own_skin(fit: breastrig.Fit, t
     bare = fit.model.pose(replace(fit.parameters, skin_layer=None))
     assert fit.metres_per_unit * np.linalg.norm(bare - fit.vertices, axis=1).max() > 1e-3
     plain = breastrig.fit(STANDING, PICKS, drawing=None, refine=False)
-    assert plain.parameters.skin_layer is None
-    assert off(plain) < 1e-6
+    assert off(plain) < 1e-6, "modes are in the layer, also without a free one"
 
 
 @pytest.mark.slow

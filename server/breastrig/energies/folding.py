@@ -16,6 +16,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.least_squares.problem import Linearisation, NormalEquations, StructuredTerm
+from breastrig.rig.blocks import shape_block
 from breastrig.rig.model import Rig
 from breastrig.rig.state import BodyState
 
@@ -75,7 +76,7 @@ class Folding(StructuredTerm[BodyState]):
         residual = self.residual(state)
         jacobian = np.zeros((len(residual), state.dof))
         beyond = residual > 0.0
-        jacobian[beyond, state.dof - len(self.rig.shapes) :] = -(self._weights[:, None] * self._edges.slopes)[beyond]
+        jacobian[beyond, shape_block(self.rig)] = -(self._weights[:, None] * self._edges.slopes)[beyond]
         return Linearisation(residual, jacobian)
 
     def normal_equations(self, state: BodyState) -> NormalEquations:
@@ -83,7 +84,7 @@ class Folding(StructuredTerm[BodyState]):
         residual = self.residual(state)
         beyond = np.flatnonzero(residual)
         rows = -self._weights[beyond, None] * self._edges.slopes[beyond]
-        shapes = slice(state.dof - len(self.rig.shapes), state.dof)
+        shapes = shape_block(self.rig)
         hessian, gradient = np.zeros((state.dof, state.dof)), np.zeros(state.dof)
         hessian[shapes, shapes], gradient[shapes] = rows.T @ rows, residual[beyond] @ rows
         return NormalEquations(hessian, gradient, 0.5 * float(residual @ residual))

@@ -9,6 +9,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.least_squares.problem import Linearisation, NormalEquations, StructuredTerm
+from breastrig.rig.blocks import shape_block
 from breastrig.rig.state import BodyState
 
 
@@ -24,14 +25,13 @@ class ShapePrior(StructuredTerm[BodyState]):
 
     def linearise(self, state: BodyState) -> Linearisation:
         """(S,), (S, P)"""
-        shapes = len(state.x.weights)
-        jacobian = np.zeros((shapes, state.dof))
-        jacobian[:, state.dof - shapes :] = np.diag(1.0 / self.sigma)
+        jacobian = np.zeros((len(self.sigma), state.dof))
+        jacobian[:, shape_block(state.rig)] = np.diag(1.0 / self.sigma)
         return Linearisation(self.residual(state), jacobian)
 
     def normal_equations(self, state: BodyState) -> NormalEquations:
         """JᵀJ (diagonal), Jᵀr, ½ |r|²."""
-        residual, own = self.residual(state), np.arange(state.dof - len(self.sigma), state.dof)
+        residual, own = self.residual(state), shape_block(state.rig)
         hessian, gradient = np.zeros((state.dof, state.dof)), np.zeros(state.dof)
-        hessian[own, own], gradient[own] = self.sigma**-2, residual / self.sigma
+        hessian[own, own], gradient[own] = np.diag(self.sigma**-2), residual / self.sigma
         return NormalEquations(hessian, gradient, 0.5 * float(residual @ residual))

@@ -22,6 +22,7 @@ from breastrig.correspondence.target import ScanTarget
 from breastrig.energies.joint_limits import JointLimits
 from breastrig.energies.joint_rest import JointRest
 from breastrig.energies.landmarks import LandmarkObservation, Landmarks
+from breastrig.energies.modes import Modes
 from breastrig.energies.point_to_plane import PointToPlane
 from breastrig.energies.point_to_point import PointToPoint
 from breastrig.fitting.body.expected_body import allowed_start, expected_joints, prior_terms, step_bounds, step_scaling
@@ -32,8 +33,9 @@ from breastrig.geometry.normals import face_areas
 from breastrig.least_squares.newton import Status, System, assemble, damped_step, energy_of
 from breastrig.least_squares.problem import ResidualTerm, inlier_chance, mixture_cost, outlier_cost
 from breastrig.least_squares.quadratic_program import Bounds
-from breastrig.rig.blocks import block
+from breastrig.rig.blocks import block, shape_block
 from breastrig.rig.model import Rig
+from breastrig.rig.modes import mode_count, mode_sizes
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState
 
@@ -94,6 +96,7 @@ class ScanProblem:
         self.priors = prior_terms(task)
         self._limits = [] if (sigma := task.recipe.joints.limit_sigma) is None else [JointLimits(joints, sigma)]
         self._rest = JointRest(joints)
+        self._modes = None if (sizes := mode_sizes(task.rig)) is None else Modes(task.rig, sizes.symmetry)
         self.scaling = step_scaling(task)
         self._picks = Landmarks(task.rig, tuple(task.given.values())) if task.given else None
         self.relief = task.relief
@@ -129,6 +132,8 @@ class ScanProblem:
         data, beyond = data_term(self.task, stage, temperature, state, matches)
         picks = None if self._picks is None else self._counted(stage, temperature, state, self._picks)
         known = [*self.priors, data, *self._limits]
+        if self._modes is not None and len(state.x.modes):
+            known.append(self._modes)
         followed = [] if picks is None else [picks]
         if stage.looks_at_form or self.task.stance == PRONE:  # a prone body is found by its breasts
             form, partners = self._seen(state, [*known, self._rest], picks)
@@ -168,13 +173,20 @@ class ScanProblem:
         """The objective (equation 9)."""
         return energy_of(terms.residuals, state) + terms.beyond
 
-    def free(self, stage: Stage) -> Booleans:
-        """(P,) which unknowns the stage moves."""
+    def with_its_modes(self, stage: Stage, state: BodyState) -> BodyState:
+        """The state, with modes where the stage is the first to move them."""
+        if self._modes is None or not stage.free_modes or len(state.x.modes):
+            return state
+        return BodyState(state.rig, replace(state.x, modes=np.zeros(mode_count(state.rig))))
+
+    def free(self, stage: Stage, unknowns: int) -> Booleans:
+        """(P,) which of so many unknowns the stage moves."""
         rig = self.task.rig
         bones = len(rig.bones)
-        free = np.ones(len(self.scaling), dtype=np.bool_)
+        free = np.full(unknowns, stage.free_modes, dtype=np.bool_)
+        free[: BONE_DOFS * bones] = True
         free[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)[:, 6:9] = stage.free_scales
-        free[BONE_DOFS * bones :] = [shape.kind in stage.free_shapes for shape in rig.shapes]
+        free[shape_block(rig)] = [shape.kind in stage.free_shapes for shape in rig.shapes]
         for name in self.task.locked:
             free[block(rig, name)] = False
         return free
@@ -315,7 +327,8 @@ def iterates(
     done = recipe.stages[-1]
     for stage in recipe.stages if stages is None else stages:
         done = stage
-        free, last_stage, damping = problem.free(stage), stage is recipe.stages[-1], recipe.damping
+        point = problem.with_its_modes(stage, point)
+        free, last_stage, damping = problem.free(stage, point.dof), stage is recipe.stages[-1], recipe.damping
         stillness.new_stage()
         for step_number in range(stage.iterations):
             progress = stage_progress(stage, step_number)
@@ -334,7 +347,7 @@ def iterates(
                 problem.system(terms, point),
                 partial(problem.energy, terms),
                 point,
-                scaling=problem.scaling,
+                scaling=problem.scaling[: point.dof],
                 damping=damping,
                 least_damping=recipe.damping,
                 bounds=problem.bounds(point),

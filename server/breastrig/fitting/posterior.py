@@ -23,6 +23,7 @@ from breastrig.fitting.body.landmarks import MIDDLE, NOTCH, XIPHOID, expected_ga
 from breastrig.fitting.fit import ScanProblem, mean_distance
 from breastrig.fitting.recipe import load_recipe
 from breastrig.fitting.task import FitTask
+from breastrig.least_squares.newton import wide
 from breastrig.least_squares.problem import log_student
 from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.cohort_posterior import Gaussian
@@ -33,6 +34,7 @@ from breastrig.rig.parameters import BONE_DOFS, RigParameters
 from breastrig.rig.state import BodyState
 
 OF_BODIES = ("body_prior", "scale_prior", "shape_prior")
+TOGETHER = ("body_prior", "modes")  # what says how unusual a body is
 FLOOR = 1e-6  # of an unknown's natural size: keeps directions that nothing holds out of the inverse
 
 
@@ -46,9 +48,9 @@ class Posterior:
         matches = problem.matches(stage, 1.0, self.state)
         terms = problem.terms(stage, 1.0, self.state, matches)
         hessian = problem.system(terms, self.state).hessian
-        self._factor = cholesky(hessian + np.diag(FLOOR * problem.scaling))
+        self._factor = cholesky(hessian + np.diag(FLOOR * problem.scaling[: x.dof]))
         self.picks = terms.picks
-        self.expected = [term for term in terms.residuals if term.name in OF_BODIES]  # what it expected of the body
+        self.expected = [term for term in terms.residuals if term.name in {*OF_BODIES, *TOGETHER}]
         self.relief = problem.relief or {}  # landmarks that the skin's form shows
         self.partners = problem.partners
         self.distance = mean_distance(matches, np.nan)  # m, to the scan
@@ -58,7 +60,7 @@ class Posterior:
         """How little the model can show this body: sqrt(m), the root of the mean distance to the scan, times Birge's
         ratio, how much farther the body is from the mean of bodies than one of their distribution would be; else nan.
         """
-        found = [term.linearise(self.state) for term in self.expected if term.name == OF_BODIES[0]]
+        found = [term.linearise(self.state) for term in self.expected if term.name in TOGETHER]
         square = sum(float(each.residual @ each.residual) for each in found)
         usual = sum(len(each.residual) - float(np.sum(self.whitened(each.jacobian) ** 2)) for each in found)
         return float(np.sqrt(self.distance * square / usual)) if usual > 0.0 else np.nan
@@ -70,7 +72,7 @@ class Posterior:
 
     def whitened(self, rows: Array) -> Array:
         """(N, P) rows of a Jacobian -> (N, P) whose products with each other are the covariances of what they move."""
-        return solve_lower(self._factor, rows.T).T
+        return solve_lower(self._factor, wide(rows, len(self._factor)).T).T
 
     def joint_landmark_covariance(self, names: tuple[str, ...]) -> Array:
         """(3 L, 3 L) m², of where the model has these landmarks, together: x, y, z of the first, then of the next."""

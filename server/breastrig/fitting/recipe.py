@@ -129,6 +129,7 @@ class Stage(SettingsPart):
     along: Positive | None = None  # times the skin's error: point to point beside point to plane; absent: slide freely
     free_shapes: tuple[Literal["body", "soft", "gravity"], ...] = ("body", "soft", "gravity")
     free_scales: bool = True
+    free_modes: bool = False  # those of the rig (rig/modes.py)
     doubts_picks: bool = False  # a pick far off may be thrown out
     looks_at_form: bool = False  # for landmarks that nobody picked
 

@@ -87,8 +87,9 @@ def assemble(terms: Sequence[ResidualTerm[P]], x: P) -> System:
         together = list(group)
         structured = [term.normal_equations(x) for term in together if isinstance(term, StructuredTerm)]
         for part in structured if is_structured else [_stacked(together, x)]:
-            hessian += part.hessian
-            gradient += part.gradient
+            own = len(part.gradient)  # a term may know of the first unknowns only
+            hessian[:own, :own] += part.hessian
+            gradient[:own] += part.gradient
             energy += part.energy
     return System(hessian, gradient, energy)
 
@@ -96,8 +97,14 @@ def assemble(terms: Sequence[ResidualTerm[P]], x: P) -> System:
 def _stacked(terms: Sequence[ResidualTerm[P]], x: P) -> NormalEquations:
     found = [term.linearise(x) for term in terms]
     residual = np.concatenate([each.residual for each in found])
-    jacobian = np.concatenate([each.jacobian for each in found])
+    jacobian = np.concatenate([wide(each.jacobian, x.dof) for each in found])
     return NormalEquations(jacobian.T @ jacobian, residual @ jacobian, 0.5 * float(residual @ residual))
+
+
+def wide(jacobian: Array, unknowns: int) -> Array:
+    """(M, P): a Jacobian with respect to the first of P unknowns, with zeros for the others."""
+    more = unknowns - jacobian.shape[1]
+    return np.pad(jacobian, ((0, 0), (0, more))) if more else jacobian
 
 
 def _movable(bounds: Bounds, free: Booleans) -> Bounds:

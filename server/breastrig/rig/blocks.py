@@ -12,6 +12,13 @@ from breastrig.core.errors import BadSettings, unknown_name
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
 
+
+def shape_block(rig: Rig) -> slice:
+    """Places of the shape weights among the (P,) unknowns."""
+    first = BONE_DOFS * len(rig.bones)
+    return slice(first, first + len(rig.shapes))
+
+
 PARTS = ("rotation", "translation", "scale")  # of a bone, three numbers each
 
 

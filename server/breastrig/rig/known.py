@@ -5,6 +5,7 @@ that what was measured with one rig is never said of another.
 
     bodies.json          mean and covariance of scales and shapes over bodies       rig/body_statistics.py
     priors_STANCE.toml   shapes and joints where a stance differs from the rig     rig/stance_priors.py
+    modes.toml           smooth modes of what the shapes do not show                rig/modes.py
     landmark_errors.json  landmarks of bodies beside the model's                    fitting/body/landmarks.py
     hidden_STANCE.json   depth of skin that no scan shows                           fitting/body/refine.py
     trunk_depth.json     its additional depth under a high belly                    fitting/body/refine.py

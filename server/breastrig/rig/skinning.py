@@ -19,7 +19,7 @@ Corrected (pose space deformation: Lewis, Cordner and Fong, SIGGRAPH 2000): line
 whose weights c_k(φ) are polynomials of joints' turns φ (joints.py); their columns are those of shapes, times ∂c_k/∂x.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -28,6 +28,7 @@ from breastrig.core.arrays import Array, Integers
 from breastrig.geometry.rotations import quaternion_from_rotation, quaternion_product, rotation_from_quaternion
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig, Skinning
+from breastrig.rig.modes import with_modes
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
 
 
@@ -219,7 +220,9 @@ POSED: dict[Skinning, type[Posed]] = {
 
 
 def in_pose(rig: Rig, x: RigParameters) -> Posed:
-    """The rig posed by the skinning that it names."""
+    """The rig posed by the skinning that it names; modes are further shapes."""
+    if len(x.modes):
+        rig, x = with_modes(rig), replace(x, weights=np.concatenate([x.weights, x.modes]), modes=x.modes[:0])
     return POSED[rig.skinning](rig, x)
 
 

@@ -6,6 +6,7 @@ TASK_MODULES = (
     *(
         f"breastrig.use.{name}"
         for name in (
+            "guides.template",
             "ink",
             "landmarks",
             "transfer",

@@ -17,11 +17,13 @@ from breastrig.fitting.recipe import Body, Hanging, Scales, Shapes
 from breastrig.fitting.task import FitTask
 from breastrig.least_squares.problem import ResidualTerm
 from breastrig.least_squares.quadratic_program import Bounds
+from breastrig.rig.blocks import shape_block
 from breastrig.rig.body_statistics import body_statistics
 from breastrig.rig.cohort_posterior import CohortPosterior, Gaussian, posterior_of
 from breastrig.rig.cohort_prior import cohort_of
 from breastrig.rig.joints import Joints
 from breastrig.rig.model import Rig
+from breastrig.rig.modes import mode_count
 from breastrig.rig.parameters import BONE_DOFS, RigParameters
 from breastrig.rig.skinning import pose
 from breastrig.rig.stance_priors import in_stance, mean_weights, rest_turns
@@ -104,10 +106,10 @@ def body_terms(
 def step_scaling(task: FitTask) -> Array:
     """(P,) inverse square of each unknown's natural size: 0.1 rad, 10 mm, the priors' sigmas."""
     bones = len(task.rig.bones)
-    sizes = np.zeros(BONE_DOFS * bones + len(task.rig.shapes))
+    sizes = np.ones(BONE_DOFS * bones + len(task.rig.shapes) + mode_count(task.rig))
     blocks = sizes[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)
     blocks[:, 0:3], blocks[:, 3:6], blocks[:, 6:9] = 0.1, 0.01, task.recipe.scales.sigma
-    sizes[BONE_DOFS * bones :] = expected_shapes(task.rig, task.recipe.shapes, task.stance)[0]
+    sizes[shape_block(task.rig)] = expected_shapes(task.rig, task.recipe.shapes, task.stance)[0]
     return np.asarray(sizes**-2)
 
 
@@ -118,15 +120,15 @@ def step_bounds(task: FitTask, x: RigParameters) -> Bounds:
     bones = len(rig.bones)
     for side, values in ((lower, [b.scale_min for b in rig.bones]), (upper, [b.scale_max for b in rig.bones])):
         side[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)[:, 6:9] = np.array(values) - x.scales
-    first = BONE_DOFS * bones
+    own = shape_block(rig)
     if constraint == "box":
-        lower[first:] = np.array([shape.min for shape in rig.shapes]) - x.weights
-        upper[first:] = np.array([shape.max for shape in rig.shapes]) - x.weights
+        lower[own] = np.array([shape.min for shape in rig.shapes]) - x.weights
+        upper[own] = np.array([shape.max for shape in rig.shapes]) - x.weights
     rows = limits = None
     if constraint == "simplex":  # weights and the template's remaining share are >= 0 and sum to one
-        lower[first:] = -x.weights
+        lower[own] = -x.weights
         rows, limits = np.zeros((1, x.dof)), np.array([max(1.0 - x.weights.sum(), 0.0)])
-        rows[0, first:] = 1.0
+        rows[0, own] = 1.0
     return Bounds(np.minimum(lower, 0.0), np.maximum(upper, 0.0), rows, limits)
 
 

@@ -196,7 +196,7 @@ def mirrored_landmarks(
 
 def _without_picks(state: BodyState, picks: Landmarks, others: System, scaling: Array) -> Array:
     """(L, 3) m by which the model's landmarks move, to first order, when the picks are left out."""
-    factor = cholesky(others.hessian + np.diag(DAMPING * scaling))
+    factor = cholesky(others.hessian + np.diag(DAMPING * scaling[: state.dof]))
     pull = picks.linearise(state)
     step = solve_lower(factor, solve_lower(factor, pull.residual @ pull.jacobian), transposed=True)
     rig = state.rig

@@ -23,6 +23,7 @@ from breastrig.fitting.fit import along
 from breastrig.fitting.posterior import Posterior, laid_on_scan
 from breastrig.fitting.uncertainty.radii import HOLDS_90, Radii, radii
 from breastrig.rig.model import Rig
+from breastrig.rig.modes import mode_count
 from breastrig.rig.parameters import RigParameters
 from breastrig.rig.state import BodyState
 
@@ -96,6 +97,8 @@ class CheckBasis:
 
     def gaussian(self, state: BodyState, vertices: Integers) -> Gaussian:
         """Where the rig's landmarks and these (N,) vertices lie together, around a fit's state."""
+        if modes := len(self.covariance) - state.dof:  # the files of a fit have none
+            state = BodyState(state.rig, replace(state.x, modes=np.zeros(modes)))
         rig, axes = state.rig, np.eye(3)
         points = rig.landmark_points()
         corners = rig.faces[points.faces].ravel()
@@ -155,13 +158,25 @@ def basis_bytes(basis: CheckBasis | None) -> bytes:
     return np.concatenate(parts).astype("<f8").tobytes()
 
 
+def _sizes(rig: Rig, x: RigParameters) -> tuple[int, int]:
+    """Possible P of a covariance: without modes and with them."""
+    return x.dof, x.dof + mode_count(rig)
+
+
+def _upper(size: int) -> int:
+    """Numbers in a matrix's upper triangle."""
+    return size * (size + 1) // 2
+
+
 def read_basis(content: bytes, rig: Rig, x: RigParameters) -> CheckBasis | None:
     """The file's basis; None for an empty file, one of another rig, or one that no fit wrote."""
-    names, size = tuple(rig.landmark_names), x.dof
-    vertices = len(rig.template)
-    counts = np.cumsum([size * (size + 1) // 2, vertices, vertices, 2, NUMBERS * len(names)])
-    if len(content) not in (8 * counts[-1], 8 * (counts[-1] + vertices)):
+    names, vertices = tuple(rig.landmark_names), len(rig.template)
+    others = [vertices, vertices, 2, NUMBERS * len(names)]
+    numbers_in = {_upper(size) + sum(others) + more: size for size in _sizes(rig, x) for more in (0, vertices)}
+    size = numbers_in.get(len(content) // 8)
+    if size is None or len(content) % 8:
         return None
+    counts = np.cumsum([_upper(size), *others])
     numbers = np.frombuffer(content, dtype="<f8").astype(np.float64)
     if not np.isfinite(numbers).all():
         return None

@@ -293,8 +293,9 @@ def _fitted_ply(outcome: FitOutcome) -> bytes:
 
 def _fitted_glb(outcome: FitOutcome) -> bytes:
     task = outcome.ready.hypothesis.task
-    surface = outcome.vertices if outcome.ready.plan.settings.refine else None
-    history = [each.iterate.parameters for each in outcome.recorded]
+    has_layer = outcome.ready.plan.settings.refine or len(outcome.recorded[-1].iterate.parameters.modes) > 0
+    surface = outcome.vertices if has_layer else None
+    history = [each.iterate.parameters.without_modes for each in outcome.recorded]
     times_s = [each.iterate.elapsed_s for each in outcome.recorded]
     return fitted_glb(task.rig, history, times_s, outcome.drawing, {"preset": task.recipe.name}, surface)
 

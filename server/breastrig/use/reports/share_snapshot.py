@@ -27,6 +27,7 @@ from breastrig.gltf.link_mesh import coloured_mesh, plain_mesh
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb
 from breastrig.report.files.geometry_files import surface_ply
+from breastrig.rig.modes import mode_count
 from breastrig.rig.skinning import in_pose
 from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.read import read_scan
@@ -164,7 +165,9 @@ def _laid_on(search: ClosestPointSearch, document: dict[str, Any], unit: str) ->
 def _fitted_glb(fit: FitFolder, surface: Array, plan: dict[str, Any], own: dict[str, Any]) -> bytes:
     """The posed rig with the lines; the way there, iteration by iteration, is the owner's alone."""
     names = {line.name for line in planned_on_scan(plan)}
-    refined = fit.result.refined and not np.array_equal(surface, in_pose(fit.rig, fit.parameters).vertices)
+    refined = (fit.result.refined or mode_count(fit.rig)) and not np.array_equal(
+        surface, in_pose(fit.rig, fit.parameters).vertices
+    )
     extras = {"preset": fit.result.preset} | ({"predicted": True} if fit.result.predicted else {})
     glb = fitted_glb(fit.rig, [fit.parameters], [0.0], None, extras, surface if refined else None)
     return planned_glb(glb, plan, [line for line in planned_on_scan(own) if line.name not in names])

@@ -161,7 +161,7 @@ def outcome_of(ready: ReadyScan, recorded: Sequence[RecordedIterate], clock: Clo
     return FitOutcome(
         ready=ready,
         recorded=tuple(recorded),
-        parameters=last.parameters,
+        parameters=last.parameters.without_modes,
         covariance=posterior.covariance(),
         body=contribution(posterior),
         vertices=vertices,

@@ -36,6 +36,7 @@ from breastrig.files.result import (
 )
 from breastrig.fitting.verdicts.verdict import Verdict
 from breastrig.report.bands import lines_text
+from breastrig.rig.modes import mode_count
 from breastrig.rig.named_parameters import Parameters, parameters_by_name
 from breastrig.scan.clean import Surface
 from breastrig.use.folder.fit_files import fit_file, result_of
@@ -344,7 +345,7 @@ def _public_values(found: FitFolder) -> dict[str, Any]:
         "not_followed": {name: each.reason for each in result.landmarks_not_followed for name in each.names},
         "unusual": {name: each.reason for each in result.landmarks_unusual for name in each.names},
         "parameters": parameters_by_name(
-            found.rig, found.parameters, per_unit, found.vertices if result.refined else None
+            found.rig, found.parameters, per_unit, found.vertices if result.refined or mode_count(found.rig) else None
         ),
         "stance": found.stance,
         "verdict": Verdict(result.verdict.level, tuple(result.verdict.reasons)),

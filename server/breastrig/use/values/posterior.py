@@ -38,11 +38,11 @@ class Posterior:
 
 
 def posterior_of(rig: Rig, x: RigParameters, covariance: Array) -> Posterior:
-    """Around x, with the (P, P) covariance of a step from it."""
+    """Around x, with the covariance of a step from it; of more unknowns than x has, of the first (P, P)."""
     parts = np.concatenate([log_so3(x.rotations), x.translations, x.scales], axis=1)
     return Posterior(
         mean=frozen(np.concatenate([parts.ravel(), x.weights])),
-        covariance=frozen(covariance),
+        covariance=frozen(covariance[: x.dof, : x.dof]),
         blocks=blocks(rig),
         model=rig,
         in_metres=x,
