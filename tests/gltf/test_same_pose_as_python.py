@@ -1,6 +1,7 @@
 """A viewer of our files draws what rig/skinning.py computes, to a micrometre."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import KEY_SPACING, fitted_glb
 from breastrig.gltf.write_rig import rig_glb
 from breastrig.rig.model import Rig, Skinning
+from breastrig.rig.modes import mode_count
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import pose
 
@@ -53,6 +55,17 @@ def test_an_iteration_file_is_posed_as_in_python(rig: Rig, seed: int) -> None:
     text = iterate_gltf(rig, x, None, "model.bin", None)
     scene = GltfScene(text, {"model.bin": model_buffer(rig)})
     assert largest_gap(scene.positions(rig.name), pose(rig, x)) < MICROMETRE
+
+
+def test_an_iteration_file_has_the_smooth_modes_as_a_layer(rig: Rig) -> None:
+    x = somewhere(rig, 2)
+    x = replace(x, modes=np.random.default_rng(3).normal(size=mode_count(rig)))
+    drawing = rig.drawings[0]
+    text = iterate_gltf(rig, x, drawing, "model.bin", "drawing.bin")
+    scene = GltfScene(text, {"model.bin": model_buffer(rig), "drawing.bin": drawing_buffer(rig, drawing)})
+    assert largest_gap(scene.positions(rig.name), pose(rig, x)) < MICROMETRE
+    names = [mesh["extras"]["targetNames"][-1] for mesh in scene.document["meshes"]]
+    assert ("skin_layer" in names) == (mode_count(rig) > 0 or rig.skinning == "dual_quaternion")
 
 
 def test_an_iteration_file_includes_the_drawing(rig: Rig) -> None:

@@ -41,7 +41,8 @@ def iterate_gltf(
     The buffers are `model_uri` and `drawing_uri`, which must answer with `model_buffer` and `drawing_buffer`;
     a drawing without an address is left out.
     """
-    rig, x = as_linear(rig, x)
+    surface = pose(rig, x) if len(x.modes) else None
+    rig, x = as_linear(rig, x.without_modes)
     base, skinned, _, lines = _built(rig, drawing if drawing_uri else None)
     document = copy.copy(base)
     document.nodes = copy.deepcopy(base.nodes)
@@ -51,11 +52,19 @@ def iterate_gltf(
         document.buffers[1].uri = drawing_uri
         _make_exact(document, skinned, rig, drawing, x)
     set_pose(document, skinned, rig, x)
-    if rig.skinning != "linear":
+    if rig.skinning != "linear" or surface is not None:
         document.accessors, document.bufferViews = [*document.accessors], [*document.bufferViews]
         document.meshes = [own_targets(mesh) for mesh in document.meshes]
         layer = BufferWriter(document)
-        add_skin_layers(document, layer, skinned, rig, drawing if lines else None, [x], [pose(rig, x)])
+        add_skin_layers(
+            document,
+            layer,
+            skinned,
+            rig,
+            drawing if lines else None,
+            [x],
+            [pose(rig, x) if surface is None else surface],
+        )
         document.buffers[-1].uri = _in_the_file(layer)
     return to_gltf(document)
 

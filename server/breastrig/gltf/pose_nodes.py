@@ -6,7 +6,7 @@ world(<bone>_scale) = T_j R_j S_j.  The root bone is absolute, in the scan's fra
 .gltf of an iteration and the animation all speak through this one function.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -50,8 +50,8 @@ def node_poses(rig: Rig, x: RigParameters) -> list[dict[str, Any]]:
     return poses
 
 
-def posed_by_nodes(rig: Rig, poses: Iterable[Mapping[str, Any]]) -> RigParameters:
-    """The parameters behind `node_poses`, which are relative to the parent bone."""
+def posed_by_nodes(rig: Rig, poses: Iterable[Mapping[str, Any]], modes: Sequence[float] = ()) -> RigParameters:
+    """The parameters behind `node_poses`, which are relative to the parent bone, with weights of smooth modes."""
     nodes = {pose["name"]: pose for pose in poses}
     rotations: list[Array] = []
     translations: list[Array] = []
@@ -69,6 +69,7 @@ def posed_by_nodes(rig: Rig, poses: Iterable[Mapping[str, Any]]) -> RigParameter
         translations=np.array(translations),
         scales=np.array([nodes[scale_node(bone.name)]["scale"] for bone in rig.bones]),
         weights=np.array(nodes[rig.name]["weights"][: len(rig.shapes)]),
+        modes=np.array(modes, dtype=np.float64),
     )
 
 

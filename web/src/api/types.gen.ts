@@ -479,9 +479,11 @@ export type Iterated = {
   coverage: number;
   elapsed_s: number;
   nodes: NodePose[];
+  /** weights of smooth modes, in the last stage; no node has them */
+  modes?: number[];
 };
 
-/** An iterated event without its nodes. */
+/** An iterated event without its nodes and modes. */
 export type IterationNumbers = {
   /** 0 is the start, before the first step */
   iteration: number;

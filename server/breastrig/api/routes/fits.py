@@ -211,10 +211,11 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
     storage = context.service.storage
     fit = get_fit(storage, fit_id)
     model = context.model_with(context.service.models.sha256_of(fit.id))
-    nodes = [node.model_dump() for node in _stored_iteration(storage, fit, iteration).nodes]
+    found = _stored_iteration(storage, fit, iteration)
+    x = posed_by_nodes(model.rig, [node.model_dump() for node in found.nodes], found.modes)
     shown = next((drawing for drawing in model.rig.drawings if drawing.name == fit.drawing), None)
     links = model.buffer_link, None if shown is None else model.drawing_link(shown.name)
-    content = iterate_gltf(model.rig, posed_by_nodes(model.rig, nodes), shown, *links)
+    content = iterate_gltf(model.rig, x, shown, *links)
     return bytes_answer(content, GLTF, PERSONAL)
 
 

@@ -153,7 +153,7 @@ def _row(case: CaseFolder, scan_id: str, fit_id: str) -> StoredFit:
         attempt=fits.starts_of(case.path / part),
         last_event=len(lines),
         iterations=len(iterated),
-        numbers=None if numbers is None else {k: v for k, v in numbers.items() if k not in ("kind", "nodes")},
+        numbers=None if numbers is None else {k: v for k, v in numbers.items() if k not in ("kind", "nodes", "modes")},
         reason=fits.reason_of(folder, document, end),
         verdict=(end.get("result", {}).get("verdict") or {}).get("level"),
     )

@@ -302,7 +302,7 @@ def _fitted_glb(outcome: FitOutcome) -> bytes:
 
 def _log(outcome: FitOutcome) -> bytes:
     events = (each.event for each in outcome.recorded)
-    return "".join(event.model_dump_json(exclude={"nodes"}) + "\n" for event in events).encode()
+    return "".join(event.model_dump_json(exclude={"nodes", "modes"}) + "\n" for event in events).encode()
 
 
 MAKERS: dict[str, Callable[[FitOutcome], bytes]] = {

@@ -46,7 +46,7 @@ class Started(Event):
 
 
 class IterationNumbers(EventPart):
-    """An iterated event without its nodes."""
+    """An iterated event without its nodes and modes."""
 
     iteration: int = Field(description="0 is the start, before the first step")
     stage: str
@@ -62,6 +62,7 @@ class Iterated(IterationNumbers, Event):
 
     kind: Literal["iterated"] = "iterated"
     nodes: list[NodePose]
+    modes: list[float] = Field(default=[], description="weights of smooth modes, in the last stage; no node has them")
 
 
 class Done(Event):

@@ -211,6 +211,7 @@ def _iterated(rig: Rig, iterate: FitIterate) -> Iterated:
         coverage=round(iterate.coverage, 4),
         elapsed_s=round(iterate.elapsed_s, 4),
         nodes=[NodePose.model_validate(node) for node in node_poses(rig, iterate.parameters)],
+        modes=[round(weight, 6) for weight in iterate.parameters.modes.tolist()],
     )
 
 
