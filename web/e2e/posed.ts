@@ -108,8 +108,8 @@ export interface Made {
 }
 
 /** Fits, opens the page, and compares what it draws of the model with fitted.ply. */
-export async function compare(page: Page, base: string, scan: Made, landmarks?: object): Promise<void> {
-  const answer = await page.request.post(`${base}/api/fits`, { data: { scan: scan.id, refine: false, ...(landmarks ? { landmarks } : {}) } });
+export async function compare(page: Page, base: string, scan: Made, landmarks?: object, preset?: string): Promise<void> {
+  const answer = await page.request.post(`${base}/api/fits`, { data: { scan: scan.id, refine: false, preset, ...(landmarks ? { landmarks } : {}) } });
   const fit = (await answer.json()) as Made;
   await page.goto("about:blank"); // what comes is another document
   await page.addInitScript(watchDrawing);

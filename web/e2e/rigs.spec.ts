@@ -30,7 +30,7 @@ async function comparedForearm(page: Page, base: string, way: "dual_quaternion" 
 
 test("the torso, which is skinned linearly, is drawn where the service has it", async ({ page, base, troubles }) => {
   const scan = (await (await page.request.post(`${base}/api/examples/standing`)).json()) as Made;
-  await compare(page, base, scan);
+  await compare(page, base, scan, undefined, "paper"); // which has no smooth modes: their surface is drawn as it comes
   expect(troubles).toEqual([]);
 });
 

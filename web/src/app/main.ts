@@ -1,7 +1,7 @@
 // The wiring plan: makes store, actions, page and view, and lets them follow the state.
 import "../style.css";
 import { client, onSignedOut } from "../api/client";
-import { mayShowInk } from "../ink/state";
+import { mayShowInk } from "../scan/fineColours";
 import { followModels } from "../stances/followModels";
 import { createOutbox } from "../store/outbox";
 import { followMarks } from "../stances/marksBeside";

@@ -116,9 +116,12 @@ export const hasModelShown = (state: Shown): boolean => (state.fit !== null && s
 /** At rest the surface that the service wrote stands for the posed rig: coloured, or bent onto the skin beyond what a rig can show. */
 export const showsFittedSurface = (state: Shown): boolean => !isFollowing(state) && !isUnusable(state) && hasFittedSurface(state);
 
+/** Smooth modes are in the surface alone: no node of the rig has them. */
+const hasModes = ({ iterations }: FitState): boolean => (iterations.at(-1)?.modes?.length ?? 0) > 0;
+
 const hasFittedSurface = (state: Shown): boolean => {
   const { fit, showDistances } = state;
-  return Boolean(fit?.surface && fit.result && isAtRest(fit) && (!modelOf(state) || fit.result.refined || (showDistances && fit.distances)));
+  return Boolean(fit?.surface && fit.result && isAtRest(fit) && (!modelOf(state) || fit.result.refined || hasModes(fit) || (showDistances && fit.distances)));
 };
 
 /** Scan and model are there, so that there is something to choose between. */

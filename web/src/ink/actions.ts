@@ -8,8 +8,9 @@ import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
 import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import { only, type Store } from "../store/store";
+import { mayShowInk } from "../scan/fineColours";
 import { asOwn, decidedBefore, nearestJoint, readInk } from "./lines";
-import { droppedIds, type FoundLine, type InkSlice, isMark, mayShowInk, openLines, type Search } from "./state";
+import { droppedIds, type FoundLine, type InkSlice, isMark, openLines, type Search } from "./state";
 import * as text from "./text";
 
 type State = PageSlice & ScanSlice & DrawingSlice & InkSlice;

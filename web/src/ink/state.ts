@@ -1,5 +1,5 @@
 // Lines of ink that were found on a scan's skin, until a person has decided about each.
-import type { InkShape, Scan, Vector } from "../api/types";
+import type { InkShape, Vector } from "../api/types";
 import type { InkDecided } from "../drawing/state";
 import { type Crops, isCut } from "../scan/crop";
 
@@ -27,16 +27,6 @@ export interface InkSlice {
 }
 
 export const initialInk: InkSlice = { ink: {}, inkPointed: null };
-
-const FINE_MM = 1.5; // between coloured vertices; a pen's line falls between coarser ones, as the service says too
-
-/** The scan has a texture, or coloured vertices so near to one another that a pen's line shows. */
-export function mayShowInk({ colours, triangles, bounds_m: { min, max } }: Pick<Scan, "colours" | "triangles" | "bounds_m">): boolean {
-  if (colours !== "vertex") return colours === "texture";
-  const [w, h, d] = [0, 1, 2].map((axis) => 1000 * (max[axis]! - min[axis]!)) as [number, number, number];
-  const skin = w * h + h * d + d * w; // half of the box around it: a body has about so much, seen from the front
-  return Math.sqrt((2.3 * skin) / triangles) < FINE_MM;
-}
 
 /** Beside the plan: crosses, arrows and writing. */
 export const isMark = ({ kind }: Pick<FoundLine, "kind">): boolean => kind === "cross" || kind === "arrow" || kind === "writing";

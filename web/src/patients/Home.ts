@@ -66,11 +66,13 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
       noticed.classList.toggle("is-out", !isKnown && problems.service === undefined);
       const now = [rows, points, going, meta];
       if (now.some((each, i) => each !== written[i])) {
-        // A card that shows the same stays itself: what is being typed or asked in it is not lost to a list that comes again.
+        // A card that shows the same, or in which something is being typed or asked, stays itself, whatever comes meanwhile.
         const before = made;
         made = new Map(
           rows.map((each): [string, HTMLElement] => {
             const isGoing = going.includes(each.id);
+            const asking = isGoing ? undefined : [...list.children].find((card) => (card as HTMLElement).dataset.patient === each.id && card.querySelector(".patient-code:not([hidden]), .sure:not([hidden])"));
+            if (asking) return [`asks ${each.id}`, asking as HTMLElement];
             const shown = JSON.stringify([each, points[sureness(each).fit ?? ""], isGoing, meta === null]);
             return [shown, before.get(shown) ?? patientCard(each, isGoing, patients, points, addressOf(each), meta?.patterns ?? [])];
           }),

@@ -1,7 +1,7 @@
 // Marks that the colours of both scans show, in pairs: proposed, until a person accepts or dismisses them.
 import type { ProposedMark, Vector } from "../../api/types";
 import type { FitSlice } from "../../fit/state";
-import { mayShowInk } from "../../ink/state";
+import { mayShowInk } from "../../scan/fineColours";
 import type { ScanSlice } from "../../scan/state";
 import { scannedOther, type StancesSlice } from "../state";
 
