@@ -29,7 +29,11 @@ test("two scans and their landmarks are dropped together: one patient, each fitt
   await expect(page.locator("#next")).toHaveText(/^(Draw the plan|Check )/);
 
   await test.step("nothing changes place: tapped away and back", async () => {
-    const places = async () => Promise.all(["standing", "supine"].map(async (each) => (await thumb(page, each as "standing").boundingBox())!.y));
+    const places = async () => {
+      const both = (["standing", "supine"] as const).map((each) => thumb(page, each));
+      for (const each of both) await expect(each).toBeVisible();
+      return Promise.all(both.map(async (each) => (await each.boundingBox())?.y));
+    };
     const before = await places();
     await thumb(page, "standing").click();
     expect((await state(page)).scan!.info.stance.proposed, "in work now").toBe("standing");

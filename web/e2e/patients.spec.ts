@@ -20,6 +20,7 @@ test("a patient is renamed, found, opened, left by Back, and deleted after a sec
     await row(first).getByRole("button", { name: what }).click();
   };
   await more(/^More about /, "Change the code");
+  await add(); // one more card, above hers
   const planned = await page.request.put(`${base}/api/patients/${first.patient}/plan`, { headers: { "If-Match": '"0"' }, data: { schema: "breastrig/plan@1", unit: "mm", items: [] } });
   expect(planned.ok(), await planned.text()).toBe(true);
   const listed = page.waitForResponse((answer) => answer.url().includes("/api/patients?"));

@@ -128,6 +128,7 @@ test("another woman's scan as the other stance is asked about, without a pick", 
     expect(await patientOf(second)).toBe(mine.patient);
     await page.reload();
     await expect(dialog).toBeVisible({ timeout: 60_000 });
+    await page.waitForLoadState("networkidle"); // what is asked of a fit while its scan moves is answered by 404
 
     await dialog.getByRole("button", { name: /another patient/ }).click();
     await expect(dialog).toBeHidden();

@@ -23,6 +23,9 @@ export interface Bringing {
   readonly examples: (names: readonly string[]) => void;
 }
 
+/** A code is being typed in the card, or it asks whether to delete. */
+const isAsking = (card: HTMLElement): boolean => card.querySelector(".patient-code:not([hidden]), .sure:not([hidden])") !== null;
+
 /** `addressOf`: the address that opens the patient's scans with their newest fits. */
 export function createHome(patients: PatientActions, bring: Bringing, addressOf: (patient: Patient) => string, dismiss: (place: "scan" | "service") => void): Panel<Shown> {
   const search = el("input", { type: "search", class: "search", placeholder: words.search, "aria-label": words.search, oninput: () => patients.search(search.value) });
@@ -41,6 +44,15 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
   const head = el("div", { class: "home-head" }, el("h1", {}, words.title), search, order.element, el("span", { class: "spring" }), fresh);
   const noticed = el("p", { class: "home-notice is-out" }, words.notice);
   const element = el("div", { class: "home" }, el("div", { class: "home-page" }, head, wrong.element, service.element, drop, list, none, more, noticed));
+
+  /** The list's cards, in this order.  One in which something is typed stays in the document: else it would lose the focus. */
+  function arrange(wanted: readonly HTMLElement[]): void {
+    for (const card of [...list.children]) if (!wanted.includes(card as HTMLElement)) card.remove();
+    wanted.forEach((card, i) => {
+      if (isAsking(card) && card.parentElement === list) while (list.children[i] !== card) list.append(list.children[i]!);
+      else if (list.children[i] !== card) list.insertBefore(card, list.children[i] ?? null);
+    });
+  }
 
   let written: unknown[] = [];
   let made = new Map<string, HTMLElement>(); // cards by what they show
@@ -71,14 +83,14 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
         made = new Map(
           rows.map((each): [string, HTMLElement] => {
             const isGoing = going.includes(each.id);
-            const asking = isGoing ? undefined : [...list.children].find((card) => (card as HTMLElement).dataset.patient === each.id && card.querySelector(".patient-code:not([hidden]), .sure:not([hidden])"));
-            if (asking) return [`asks ${each.id}`, asking as HTMLElement];
+            const asking = isGoing ? undefined : ([...list.children] as HTMLElement[]).find((card) => card.dataset.patient === each.id && isAsking(card));
+            if (asking) return [`asks ${each.id}`, asking];
             const shown = JSON.stringify([each, points[sureness(each).fit ?? ""], isGoing, meta === null]);
             return [shown, before.get(shown) ?? patientCard(each, isGoing, patients, points, addressOf(each), meta?.patterns ?? [])];
           }),
         );
         const wanted = [...made.values()];
-        if (wanted.length !== list.children.length || wanted.some((each, i) => each !== list.children[i])) list.replaceChildren(...wanted);
+        arrange(wanted);
       }
       written = now;
       setText(none, words.none(sought));
