@@ -5,7 +5,7 @@ import pytest
 
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadDrawing
-from breastrig.drawings.superimposition import gaps
+from breastrig.drawings.superimposition.gaps import gaps
 from breastrig.geometry.polyline import Polyline
 
 

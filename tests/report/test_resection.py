@@ -92,7 +92,7 @@ def test_a_line_on_one_breast_has_its_share_and_the_same_place_on_the_other(
     ]
     open_line = replace(lines[0], name="open_L", closed=False)
     wall = chest_wall(rig, rest_parameters(rig), at_rest.vertices)
-    cut, everything = resections(replace(at_rest, lines=(*lines, open_line)), lambda: wall)
+    cut, everything = resections(replace(at_rest, lines=(*lines, open_line)), lambda: wall, {"cut_L": 0.025})
     assert (cut.line, cut.side, everything.line) == ("cut_L", "L", "all_L")
     assert everything.rows[-1].share == pytest.approx(1.0, abs=1e-6)
     assert everything.rows[-1].after == pytest.approx(0.0, abs=1e-9)
@@ -103,16 +103,21 @@ def test_a_line_on_one_breast_has_its_share_and_the_same_place_on_the_other(
         assert row.other == pytest.approx(row.volume, rel=0.01)
         assert row.after == pytest.approx(cut.breast - row.volume, abs=1e-7)
         assert row.share == pytest.approx(row.volume / cut.breast, rel=1e-3)
-    assert [row.band is None for row in cut.rows] == [True, True, True, False]
+    assert [row.depth for row in cut.rows] == [0.01, 0.02, 0.025, 0.03, None], "its own depth is a row"
+    assert [row.depth for row in everything.rows] == [0.01, 0.02, 0.03, None]
+    assert [row.band is None for row in cut.rows] == [True, True, True, True, False]
     low, high = cut.rows[-1].band or (0.0, 0.0)
     assert low < volumes[-1] < high
-    shown = Reported("standing", replace(at_rest, lines=lines[:1]), result_file(), (), wall=lambda: wall)
+    depths = {"cut_L": 0.025}
+    shown = Reported("standing", replace(at_rest, lines=lines[:1]), result_file(), (), wall=lambda: wall, depths=depths)
     [written] = report_document([shown])["stances"][0]["resections"]
     assert written["rows"][-1]["ml"] == pytest.approx(1e6 * volumes[-1], abs=0.06)
+    assert [row["depth_mm"] for row in written["rows"] if row["planned"]] == [25.0]
     assert written["rows"][-1]["grams"] == pytest.approx(0.94e6 * volumes[-1], abs=0.06)
     assert "resections" not in report_document([shown], with_plan=False)["stances"][0]
     [table] = report_content([shown], UNNAMED)["resections"]
     assert table["title"] == "Cut, left"
+    assert [row[0] for row in table["rows"]][1:4] == ["to 20 mm", "to 25 mm, as planned", "to 30 mm"]
     assert table["rows"][-1][:4] == [
         "to the chest wall",
         f"{1e6 * volumes[-1]:.0f} ({1e6 * low:.0f} to {1e6 * high:.0f})",

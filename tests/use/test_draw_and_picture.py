@@ -1,5 +1,6 @@
 """Drawings, lesions and pictures of finished fits, and the body's frame, as programs have them."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -138,3 +139,11 @@ def test_a_report_of_fits_in_memory_is_that_of_their_folders(
     assert pdf.name.startswith("P-1_standing-supine")
     with pytest.raises(breastrig.BadInput):
         breastrig.write_report(tmp_path / "standing", tmp_path / "standing" / "result.json")
+    [ring] = json.loads((tmp_path / "plan.json").read_text())["shapes"]
+    points = [[1e3 * value for value in point] for point in ring["points"]]  # mm
+    cut = {"kind": "line", "id": "1", "name": "cut", "points": points, "closed": True, "depth_mm": 25.0}
+    (tmp_path / "cut.json").write_text(json.dumps({"schema": "breastrig/plan@1", "unit": "mm", "items": [cut]}))
+    breastrig.write_report(tmp_path / "standing", tmp_path / "cut", tmp_path / "supine", plan=tmp_path / "cut.json")
+    for stance in json.loads((tmp_path / "cut" / "report.json").read_text())["stances"]:
+        [found] = [each for each in stance["resections"] if each["line"] == "cut"]
+        assert [row["depth_mm"] for row in found["rows"] if row["planned"]] == [25.0], "where it is carried, too"

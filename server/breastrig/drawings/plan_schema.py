@@ -62,6 +62,9 @@ class PlanLine(DrawnShape, _Item):
         exclude_if=not_,
         description="not drawn by hand: the line of the other side, mirrored, however it was changed since",
     )
+    depth_mm: float | None = Field(
+        None, ge=1.0, le=DEEPEST, exclude_if=not_, description="how deep it is to be cut; null where nobody has said"
+    )
 
 
 class PlanPattern(_Item):

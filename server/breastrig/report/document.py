@@ -1,7 +1,7 @@
 """report.json: the numbers of one or two fitted stances, with what they were made by."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -47,11 +47,12 @@ class Reported:
     doubts: tuple[str, ...] = ()  # about the stances together: whether they are of one patient
     wall: WallUnder = no_wall  # asked only where lines enclose some of a breast
     drawn_mm: float | None = None  # line error of what is drawn here; None: nothing, or nothing is known of it
+    depths: Mapping[str, float] = field(default_factory=dict)  # m, of the planned lines that say how deep they go
 
     @cached_property
     def resections(self) -> tuple[Resection, ...]:
         """What closed lines on the breasts enclose; none for a rig whose chest wall is not known."""
-        return resections(self.stance, self.wall)
+        return resections(self.stance, self.wall, self.depths)
 
 
 def stance_said(result: ResultFile) -> str:
@@ -104,7 +105,8 @@ def _resections(one: Reported) -> dict[str, object]:
             "other_breast_ml": _ml(each.other_breast),
             "rows": [
                 {
-                    "depth_mm": None if row.depth is None else 1e3 * row.depth,
+                    "depth_mm": None if row.depth is None else round(1e3 * row.depth, 1),
+                    "planned": row.depth is not None and row.depth == one.depths.get(each.line),
                     "ml": _ml(row.volume),
                     "low_ml": None if row.band is None else _ml(row.band[0]),
                     "high_ml": None if row.band is None else _ml(row.band[1]),

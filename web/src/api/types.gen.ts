@@ -1067,6 +1067,8 @@ export type PlanLine = {
   ink?: string[];
   /** not drawn by hand: the line of the other side, mirrored, however it was changed since */
   mirrored?: boolean;
+  /** how deep it is to be cut; null where nobody has said */
+  depth_mm?: number | null;
 };
 
 /** A sentence, of the whole or of one place, mm. */

@@ -209,6 +209,11 @@ export function drawingActions(store: Store<State>, client: Pick<Client, "length
       change(withLine(lines(), name, (line) => ({ ...line, color })), {}, words.announceRecoloured(name));
     },
 
+    /** How deep a closed line is to be cut; null: not said. */
+    cutTo(name: string, mm: number | null): void {
+      change(withLine(lines(), name, ({ depthMm: _, ...line }) => (mm === null ? line : { ...line, depthMm: mm })), {}, words.announceDepth(name, mm));
+    },
+
     /** Another pattern or tumour, or other numbers of it: one step to undo.  The tool is put down, for the handles on the body. */
     choosePattern: (drawing: string): void => store.set((state) => (drawing === state.drawing ? {} : { drawing, drawn: { ...handsOff(state.drawn), live: state.drawn.live, lines: withStep(state) } })),
 

@@ -41,6 +41,7 @@ function lineChanged(before: OwnLine, after: OwnLine): string[] {
     ...(before.name === after.name ? [] : [words.renamed(before.name, after.name)]),
     ...(before.color === after.color ? [] : [words.recoloured(after.name)]),
     ...(before.closed === after.closed && isSame(before.points, after.points) ? [] : [words.moved(after.name)]),
+    ...(before.depthMm === after.depthMm ? [] : [words.deep(after.name, words.depthOf(after.depthMm ?? null))]),
   ];
 }
 

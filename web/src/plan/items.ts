@@ -16,7 +16,7 @@ const isTumour = (item: PlanItem): item is PlanTumour => item.kind === "tumour";
 
 /** The pen's lines on a scan. */
 export const linesOn = (items: Items, scan: string): OwnLine[] =>
-  items.filter(isLine).filter((item) => item.scan === scan).map(({ id, name, color, points, closed, bridged, ink, mirrored }) => ({ ...lineAlong(name, color ?? INK, points, closed ?? false, bridged), id, ...(ink?.length ? { ink } : {}), ...(mirrored ? { mirrored } : {}) }));
+  items.filter(isLine).filter((item) => item.scan === scan).map(({ id, name, color, points, closed, bridged, ink, mirrored, depth_mm }) => ({ ...lineAlong(name, color ?? INK, points, closed ?? false, bridged), id, ...(ink?.length ? { ink } : {}), ...(mirrored ? { mirrored } : {}), ...(depth_mm ? { depthMm: depth_mm } : {}) }));
 
 /** What a fit of the scan is asked to bring along: its first pattern and its first tumour, as one text. */
 export function drawingOn(items: Items, scan: string): string {
@@ -42,7 +42,7 @@ export function withLines(items: Items, scan: string, lines: readonly OwnLine[])
   return [...items.filter((item) => !(isLine(item) && item.scan === scan)), ...after];
 }
 
-const lineItem = (line: OwnLine, id: string, scan: string): PlanLine => ({ kind: "line", id, scan, name: line.name, label: "", closed: line.closed, color: line.color, points: line.points.map((point) => point.map(roundMm) as Vector), ...(line.bridged ? { bridged: [...line.bridged] } : {}), ...(line.ink ? { ink: [...line.ink] } : {}), ...(line.mirrored ? { mirrored: true } : {}) });
+const lineItem = (line: OwnLine, id: string, scan: string): PlanLine => ({ kind: "line", id, scan, name: line.name, label: "", closed: line.closed, color: line.color, points: line.points.map((point) => point.map(roundMm) as Vector), ...(line.bridged ? { bridged: [...line.bridged] } : {}), ...(line.ink ? { ink: [...line.ink] } : {}), ...(line.mirrored ? { mirrored: true } : {}), ...(line.depthMm ? { depth_mm: line.depthMm } : {}) });
 
 /** The items with this pattern and tumour on the scan, instead of the first ones; what they were keeps its id. */
 export function withDrawing(items: Items, scan: string, text: string): Items {

@@ -46,6 +46,16 @@ test("a stroke is a line, saved once after a run of them", async () => {
   expect(store.get().drawn.saving).toBe("saved");
 });
 
+test("a depth of a line is one step to undo, which says it", async () => {
+  const { actions, store, names } = await drawing();
+  actions.drawing.strokes([stroke(-50, 50)]);
+  actions.drawing.cutTo(names()[0]!, 25);
+  expect(store.get().drawn.lines.present[0]!.depthMm).toBe(25);
+  actions.drawing.undo();
+  expect(store.get().drawn.lines.present[0]!.depthMm).toBeUndefined();
+  expect(store.get().undone?.says).toContain("depth of Line 1: 25");
+});
+
 test("a stroke that is cut where it leaves the skin is as many lines and one step to undo", async () => {
   const { actions, names } = await drawing();
   actions.drawing.strokes([stroke(-50, -10), [[0, 0, 0]], stroke(10, 50)]);

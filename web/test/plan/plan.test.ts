@@ -324,6 +324,15 @@ test("the stance that waits takes over what was planned on it elsewhere", async 
   expect(made.store.get().stances.other!.drawn.lines.present.map(({ name }) => name)).toEqual(["Line 2"]);
 });
 
+test("how deep a line is cut stays in the plan, until it is not said any more", () => {
+  const line = { ...lineAlong("Cut", "#101010", [[0, 0, 0], [9, 0, 0], [9, 9, 0]], true), id: "m", depthMm: 25 };
+  const items = withLines([], "scan", [line]);
+  expect(items[0]).toMatchObject({ kind: "line", depth_mm: 25 });
+  expect(linesOn(items, "scan")[0]!.depthMm).toBe(25);
+  const { depthMm: _, ...unsaid } = line;
+  expect(withLines(items, "scan", [unsaid])[0]).not.toHaveProperty("depth_mm");
+});
+
 test("a mirrored line stays one in the plan, and half a tumour is none", () => {
   const line = { ...lineAlong("Line 1, mirrored", "#101010", [[0, 0, 0], [9, 0, 0]], false), id: "m", mirrored: true };
   const items = withLines([], "scan", [line]);

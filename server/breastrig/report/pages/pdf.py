@@ -296,7 +296,7 @@ def _resections(one: Reported, is_named: bool) -> list[Table]:
             "title": f"{spoken(each.line)}{f', {one.name}' if is_named else ''}",
             "rows": [
                 [
-                    "to the chest wall" if row.depth is None else f"to {1e3 * row.depth:.0f} mm",
+                    _down_to(row.depth, one.depths.get(each.line)),
                     _ml(row.volume)
                     if row.band is None
                     else f"{_ml(row.volume)} ({_ml(row.band[0])} to {_ml(row.band[1])})",
@@ -312,6 +312,12 @@ def _resections(one: Reported, is_named: bool) -> list[Table]:
         }
         for each in one.resections
     ]
+
+
+def _down_to(depth: float | None, planned: float | None) -> str:
+    if depth is None:
+        return "to the chest wall"
+    return f"to {1e3 * depth:.4g} mm{', as planned' if depth == planned else ''}"
 
 
 def _ml(cubic_metres: float) -> str:

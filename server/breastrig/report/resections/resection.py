@@ -6,7 +6,7 @@ outline, so it is larger than the report's volume, which ends before the fat beh
 """
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -121,8 +121,11 @@ def no_wall() -> None:
     """Of a rig whose inside nobody knows."""
 
 
-def resections(stance: Stance, wall_under: WallUnder) -> tuple[Resection, ...]:
-    """The closed lines of a stance that enclose some of a breast; none where the chest wall is not known."""
+def resections(stance: Stance, wall_under: WallUnder, planned: Mapping[str, float]) -> tuple[Resection, ...]:
+    """The closed lines of a stance that enclose some of a breast; none where the chest wall is not known.
+
+    `planned`: m, how deep lines of these names are to be cut, beside the depths that are always shown.
+    """
     rig, frame = stance.rig, body_frame(stance.rig, stance.vertices)
     shapes = [(side, shape) for side in SIDES if (shape := breast_outline(rig, side)) is not None]
     lines = [
@@ -142,7 +145,7 @@ def resections(stance: Stance, wall_under: WallUnder) -> tuple[Resection, ...]:
         side, other = ("L", "R") if frame.lateral(line.points.mean(axis=0)) > 0.0 else ("R", "L")
         here, there = body.inside(line.points), body.inside(_mirrored(stance, line))
         rows = []
-        for depth in (*depths, None):
+        for depth in (*sorted({*depths, planned.get(line.name, depths[0])}), None):
             off = (
                 None if depth is not None or error is None else [body.volume(here, None, by) for by in (-error, error)]
             )

@@ -15,8 +15,8 @@ from breastrig.core.private_files import shown, write_files
 from breastrig.drawings.drawing_file import Drawing, drawing_document, parsed_drawing
 from breastrig.drawings.on_skin import check_on_skin
 from breastrig.drawings.project_drawing import on_scan
-from breastrig.drawings.superimposition import gaps
-from breastrig.drawings.superimposition_picture import superimposed
+from breastrig.drawings.superimposition.gaps import gaps
+from breastrig.drawings.superimposition.picture import superimposed
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import ModelDrawing
 from breastrig.rig.similarity import umeyama

@@ -70,8 +70,9 @@ def _name(item: PlanItem, fit: FitFolder) -> str:
 
 def _values(item: PlanItem, fit: FitFolder | None) -> tuple[tuple[str, str], ...]:
     """`fit` where the item was made on its scan, and is drawn there: then the numbers are those of its lines."""
-    if isinstance(item, PlanLine) and item.mirrored:
-        return (("Drawn", MIRRORED),)
+    if isinstance(item, PlanLine):
+        depth = (("Depth", f"{item.depth_mm:g} mm"),) if item.depth_mm else ()
+        return (*((("Drawn", MIRRORED),) if item.mirrored else ()), *depth)
     if isinstance(item, PlanLesion):
         return (("Radius", f"{item.radius_mm:.3g} mm"),)
     if not isinstance(item, PlanPattern | PlanTumour) or (isinstance(item, PlanPattern) and item.name not in PATTERNS):

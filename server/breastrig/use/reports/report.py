@@ -19,7 +19,7 @@ from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.private_files import read_ordinary, write_files
 from breastrig.drawings.drawing_file import FILE_BYTES, lines_on_scan, planned_on_scan, rounded_mm
 from breastrig.drawings.line_error import drawn_error
-from breastrig.drawings.plan_schema import PLAN_SCHEMA, checked_plan
+from breastrig.drawings.plan_schema import PLAN_SCHEMA, PlanLine, checked_plan
 from breastrig.files.result import Distances, ResultFile, damaged, folder_name, joint_covariance
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -126,9 +126,19 @@ def _in_words(job: ReportJob, plan: PlanLines | None, fit: FitFolder) -> tuple[P
     """The plan's items; none where there is no plan."""
     if plan is None:
         return ()
-    document = job.plan or {"schema": PLAN_SCHEMA, "unit": "mm", "items": list(job.items)}
     missing = {each["item"]: str(each["reason"]) for each in plan[0].get("missing", ())}
-    return planned_items(checked_plan(document).items, plan[0], missing, fit)
+    return planned_items(checked_plan(_plan_document(job)).items, plan[0], missing, fit)
+
+
+def _depths(job: ReportJob, lines: tuple[Polyline, ...], plan: PlanLines | None) -> dict[str, float]:
+    """m, of the lines that were drawn with one."""
+    items = () if plan is None else checked_plan(_plan_document(job)).items
+    said = {each.id: 1e-3 * each.depth_mm for each in items if isinstance(each, PlanLine) and each.depth_mm}
+    return {line.name: said[shape["item"]] for line, shape in _with_shapes(lines, plan) if shape.get("item") in said}
+
+
+def _plan_document(job: ReportJob) -> dict[str, Any]:
+    return job.plan or {"schema": PLAN_SCHEMA, "unit": "mm", "items": list(job.items)}
 
 
 def _lesions(plan: PlanLines | None) -> tuple[dict[str, Any], ...]:
@@ -193,6 +203,7 @@ def reported(job: ReportJob, rig: Rig | None = None) -> list[Reported]:
             doubts,
             partial(_wall, fit),
             rounded_mm(drawn_error(lines)),
+            _depths(job, lines, plan),
         )
         for name, stance, fit, measured, plan, lines in zip(names, stances, fits, rows, plans, drawn, strict=True)
     ]

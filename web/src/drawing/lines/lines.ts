@@ -16,6 +16,8 @@ export interface OwnLine extends Readonly<Required<Pick<DrawnShape, "name" | "cl
   readonly ink?: readonly string[];
   /** it was not drawn by hand but is the other side's line, mirrored, however it was changed since */
   readonly mirrored?: boolean;
+  /** mm below the skin, how deep it is to be cut; missing where nobody has said */
+  readonly depthMm?: number;
   /** indices into points, rising; an open line has its two ends among them */
   readonly corners: readonly number[];
 }

@@ -1,6 +1,7 @@
 // The chosen line that a hand has drawn: its name, what can be done with it, and its points without a pointer.
 import { button, iconButton } from "../../ui/controls";
 import { el, fill, setText, show } from "../../ui/dom";
+import { numberField } from "../../ui/NumberField";
 import type { DrawingActions } from "../actions";
 import { type OwnLine } from "../lines/lines";
 import type { DrawnState } from "../state";
@@ -8,6 +9,8 @@ import { drawing as words } from "../text";
 
 export function createLineDetails(drawing: DrawingActions) {
   const body = el("div", { class: "panel" });
+  let chosen = "";
+  const depth = numberField({ name: "line_depth", label: words.depth, unit: "mm", min: 1, max: 150, hint: words.depthHint, mayBeEmpty: true, changed: (mm) => drawing.cutTo(chosen, mm) });
   const corners = createCorners(drawing);
   function made({ name, closed }: OwnLine, mayMirror: boolean): HTMLElement[] {
     const field = el("input", {
@@ -29,8 +32,12 @@ export function createLineDetails(drawing: DrawingActions) {
     return [field, el("div", { class: "buttons-row" }, close, mayMirror ? iconButton("mirror", words.mirror(name), () => drawing.mirror(name)) : null, el("span", { class: "spring" }), iconButton("eraser", words.erase(name), () => drawing.erase(name)))];
   }
   return {
-    element: el("div", { class: "panel" }, body, corners.element),
+    element: el("div", { class: "panel" }, body, depth.element, corners.element),
     update(line: OwnLine, mayMirror: boolean, drawn: DrawnState): void {
+      if (chosen !== line.name) depth.drop();
+      chosen = line.name;
+      show(depth.element, line.closed);
+      depth.set(line.depthMm ?? null);
       fill(body, [line.name, line.closed, mayMirror], () => made(line, mayMirror));
       corners.update(line, drawn);
     },

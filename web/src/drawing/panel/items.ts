@@ -80,7 +80,7 @@ export function planRows(state: Shown): readonly PlanRow[] {
     return { key, label, says, hint: [...(mm === null ? [] : [mm === 0 ? words.given : marginOf(mm)]), ...more].join(", "), layer, lines, isHidden: lines.length > 0 && lines.every(({ name }) => drawn.hidden.has(layerKey(layer, name))) };
   };
   const own = drawn.lines.present.map((line): PlanRow => ({
-    ...row("own", itemKey.line(line.name), line.name, [line], [...(line.mirrored ? [words.mirrored] : []), line.closed ? words.ring : words.length(lengthOf(line))].join(", "), [words.given]),
+    ...row("own", itemKey.line(line.name), line.name, [line], [...(line.mirrored ? [words.mirrored] : []), line.closed ? words.ring : words.length(lengthOf(line)), ...(line.closed && line.depthMm ? [words.deep(line.depthMm)] : [])].join(", "), [words.given]),
     kind: "line",
     line,
   }));

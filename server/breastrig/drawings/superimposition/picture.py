@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.drawings.superimposition import ShapeGap
+from breastrig.drawings.superimposition.gaps import ShapeGap
 from breastrig.geometry.polyline import Polyline
 from breastrig.rendering.picture import Camera, Colour, Layer, Line, Picture, Scene, camera
 
