@@ -326,7 +326,10 @@ STEPS: Mapping[str, tuple[str, str]] = {  # of a case: its routes (the first ste
     "draw": ("/plan|/pattern|/lengths|/scans/{scan_id}/drawing", "draw project Drawing Line Lesion"),
     "transfer": ("/api/transfers", "transfer"),
     "predict": ("/predictions", "predict"),
-    "report": ("/measures.json|/report|/template|/guide", "measure Measure Number write_report write_template"),
+    "report": (
+        "/measures.json|/report|/template|/guide",
+        "measure Measure Number write_report write_template write_dicom",
+    ),
     "result": (
         "/result|/fitted|/distances|/uncertainty|/volume|/fits/{fit_id}/drawing.json",
         "Fit Frame Posterior Parameters BonePose Volume volume_mesh",

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         TooLarge,
     )
     from breastrig.rig.named_parameters import BonePose, Parameters
+    from breastrig.use.archive.dicom import write_dicom
     from breastrig.use.cases.case import Case, CaseFit, CaseScan
     from breastrig.use.draw import draw, project
     from breastrig.use.example import Example, example
@@ -101,12 +102,14 @@ __all__ = [
     "read_scan",
     "transfer",
     "volume_mesh",
+    "write_dicom",
     "write_report",
     "write_template",
 ]
 
 _MODULES = {
     "core.errors": ("BadDrawing BadInput BadLandmarks BadModel BadScan BadSettings BreastRigError FitFailed TooLarge"),
+    "use.archive.dicom": "write_dicom",
     "use.cases.case": "Case CaseFit CaseScan",
     "use.draw": "draw project",
     "use.values.drawing": "Drawing Lesion Line",

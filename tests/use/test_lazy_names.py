@@ -46,7 +46,7 @@ def test_every_name_is_found_listed_and_loaded_once() -> None:
 
 def test_every_function_says_shapes_units_and_errors() -> None:
     functions = {name: value for name in breastrig.__all__ if inspect.isfunction(value := getattr(breastrig, name))}
-    assert set(functions) == PLACES | {"load_model", "measure", "write_report", "write_template"}
+    assert set(functions) == PLACES | {"load_model", "measure", "write_report", "write_template", "write_dicom"}
     for name, function in functions.items():
         said = inspect.getdoc(function) or ""
         assert "frame" in said or "mm" in said, name

@@ -227,7 +227,7 @@ def _check_distances(folder: Path, result: ResultFile) -> None:
         raise damaged(folder_name(folder), "landmark_distance_mm")
 
 
-def _pdf(stances: list[Reported], identity: Identity) -> bytes:
+def pdf_of(stances: list[Reported], identity: Identity) -> bytes:
     from breastrig.report.pages.pdf import report_pdf  # the typesetter is 80 MB, and the server makes no PDF itself
 
     return report_pdf(stances, identity)
@@ -252,7 +252,7 @@ def _files(stances: list[Reported], identity: Identity, pdf_name: str) -> dict[s
     return {
         REPORT_RECORD: json_bytes(report_document(stances)),
         MEASURES_TABLE: _measures_csv(stances),
-        pdf_name: _pdf(stances, identity),
+        pdf_name: pdf_of(stances, identity),
     }
 
 
@@ -279,7 +279,7 @@ def write_three_files(job: ReportJob, folder: Path, pdf_name: str, rig: Rig | No
 
 def report_pdf_of(job: ReportJob) -> bytes:
     """The PDF alone: what the service's worker makes."""
-    return _within_memory(lambda: _pdf(reported(job), job.identity))
+    return _within_memory(lambda: pdf_of(reported(job), job.identity))
 
 
 def protocol_pdf_of() -> bytes:

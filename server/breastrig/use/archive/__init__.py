@@ -1,0 +1,1 @@
+"""Fits as DICOM objects, written or sent."""
