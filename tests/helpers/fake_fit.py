@@ -43,7 +43,7 @@ def parameters_at(iteration: int) -> RigParameters:
 def started(job: FitJob) -> Started:
     return Started(
         stance="standing" if job.stance == "auto" else job.stance,
-        stance_reason="A test said so.",
+        stance_reason="As asked for.",
         preset=job.preset,
         model_sha256="0" * 64,
         drawing=job.drawing,
@@ -121,7 +121,7 @@ def scan_of(job: FitJob) -> Scan:
     try:
         return read_scan(job.scan, job.file_type, job.units, texture=False)
     except BadScan:
-        return Scan(toy_rig().template, toy_rig().faces, "m", 1.0, "A test said so.", "5" * 64)
+        return Scan(toy_rig().template, toy_rig().faces, "m", 1.0, "As asked for.", "5" * 64)
 
 
 def surface(refined: bool) -> np.ndarray:

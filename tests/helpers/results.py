@@ -19,7 +19,7 @@ def result_document(**changes: Any) -> dict[str, Any]:
         "scan": {"vertices": 204, "triangles": 384, "unit": "mm", "sha256": "ab" * 32},
         "model": {"name": "toy", "sha256": "cd" * 32, "vertices": 204, "bones": 4, "blendshapes": 4},
         "stance": "standing",
-        "stance_reason": "A test said so.",
+        "stance_reason": "As asked for.",
         "preset": "default",
         "refined": False,
         "converged": False,

@@ -9,6 +9,7 @@ from breastrig.api.access.security import register_security
 from breastrig.api.app_context import KEY, AppContext
 from breastrig.api.config import Config
 from breastrig.api.errors import register_errors
+from breastrig.api.language import register_language
 from breastrig.api.metrics import Metrics, register_metrics
 from breastrig.api.openapi import finish_document
 from breastrig.api.request_log import log_error_of_request, register_request_log
@@ -43,6 +44,7 @@ def create_app(config: Config, service: Service) -> APIFlask:
     metrics = Metrics(service)
     app.extensions[KEY] = AppContext(config, service, serve_model(config.model), metrics)
     register_errors(app, service.storage)
+    register_language(app)
     if config.log_requests:
         register_request_log(app)
     register_metrics(app, metrics)  # before the guards, so that what they refuse is counted too

@@ -13,6 +13,7 @@ from flask import Response, request
 
 from breastrig.api.app_context import app_context
 from breastrig.api.errors import refuse
+from breastrig.api.language import current_language, event_said
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.web_server import GONE
 from breastrig.api.wire import common as wire
@@ -59,7 +60,9 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
         )
     gone = request.environ.get("asgi.scope", {}).get(GONE)
     response = Response(
-        _lines(context.service.follow(fit_id, after, context.config.heartbeat_s, gone and gone.is_set)),
+        _lines(
+            context.service.follow(fit_id, after, context.config.heartbeat_s, gone and gone.is_set), current_language()
+        ),
         mimetype="text/event-stream",
         headers=STREAM_HEADERS,
     )
@@ -89,13 +92,13 @@ def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
     )
 
 
-def _lines(news: Iterator[Sequence[StreamItem]]) -> Iterator[bytes]:
+def _lines(news: Iterator[Sequence[StreamItem]], language: str) -> Iterator[bytes]:
     """The stream's bytes; events that are known at once are sent at once, so a late reader gets few pieces."""
     parts = [b"retry: %d\n\n" % RECONNECT_MS]
     size = len(parts[0])
     for together in news:
         for item in together:
-            parts.append(_text(item))
+            parts.append(_text(item, language))
             size += len(parts[-1])
             if size >= TOGETHER:
                 yield b"".join(parts)
@@ -107,12 +110,12 @@ def _lines(news: Iterator[Sequence[StreamItem]]) -> Iterator[bytes]:
         yield b"".join(parts)
 
 
-def _text(item: StreamItem) -> bytes:
+def _text(item: StreamItem, language: str) -> bytes:
     if isinstance(item, Heartbeat):
         return b": still here\n\n"
     if isinstance(item, Queued):  # without a number: a viewer who comes again need not hear it
         return b'event: queued\ndata: {"kind":"queued","position":%d}\n\n' % item.position
-    return b"id: %d\nevent: %b\ndata: %b\n\n" % (item.number, item.kind.encode(), item.utf8)
+    return b"id: %d\nevent: %b\ndata: %b\n\n" % (item.number, item.kind.encode(), event_said(item.utf8, language))
 
 
 def _last_event_id() -> int:

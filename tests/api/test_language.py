@@ -1,0 +1,65 @@
+"""In which language an answer speaks: the page's cookie, then Accept-Language, then English."""
+
+import json
+
+import pytest
+from flask.testing import FlaskClient
+
+GONE = "There is no such fit; it may have been deleted."
+GONE_DE = "Diese Anpassung gibt es nicht; vielleicht wurde sie gelöscht."
+
+
+@pytest.mark.parametrize(
+    ("cookie", "header", "language"),
+    [
+        (None, None, "en"),
+        (None, "de-AT,de;q=0.9,en;q=0.5", "de"),
+        (None, "fr,en;q=0.5", "en"),
+        (None, "fr", "en"),
+        ("de", "en", "de"),
+        ("en", "de", "en"),
+        ("xx", "de", "de"),
+    ],
+)
+def test_the_cookie_says_the_language_then_the_browser(
+    client: FlaskClient, cookie: str | None, header: str | None, language: str
+) -> None:
+    if cookie is not None:
+        client.set_cookie("breastrig_language", cookie)
+    answer = client.get("/api/fits/none", headers={} if header is None else {"Accept-Language": header})
+    assert answer.json is not None
+    assert answer.json["detail"] == {"en": GONE, "de": GONE_DE}[language]
+    assert answer.headers["Content-Language"] == language
+    assert {"Accept-Language", "Cookie"} <= {*answer.vary}
+    assert answer.json["title"] == "Not Found"  # HTTP's own word
+
+
+def test_a_stream_and_its_polling_twin_speak_it_too(client: FlaskClient, fit_id: str) -> None:
+    english = client.get(f"/api/fits/{fit_id}/events").data
+    client.set_cookie("breastrig_language", "de")
+    german = client.get(f"/api/fits/{fit_id}/events").data
+    assert german == english.replace(b"As asked for.", b"Wie angegeben.") != english
+    page = client.get(f"/api/fits/{fit_id}/events.json").json
+    assert page is not None
+    assert page["events"][0]["event"]["stance_reason"] == "Wie angegeben."
+
+
+def test_a_stored_file_is_german_where_the_page_reads_it_and_english_on_the_disk(
+    client: FlaskClient, fit_id: str
+) -> None:
+    place = f"/api/fits/{fit_id}/result.json"
+    stored = client.get(place)
+    client.set_cookie("breastrig_language", "de")
+    shown = client.get(place)
+    assert shown.json == json.loads(stored.data.replace(b"As asked for.", b"Wie angegeben.")) != stored.json
+    assert stored.get_etag()[0] != shown.get_etag()[0]
+    client.set_cookie("breastrig_language", "en")
+    assert client.get(place).data == stored.data
+
+
+def test_what_is_edited_and_sent_back_is_the_same_in_every_language(client: FlaskClient, scan_id: str) -> None:
+    place = f"/api/scans/{scan_id}/landmarks"
+    before = client.get(place)
+    client.set_cookie("breastrig_language", "de")
+    after = client.get(place)
+    assert (after.json, after.headers.get("ETag")) == (before.json, before.headers.get("ETag"))
