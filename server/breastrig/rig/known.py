@@ -16,7 +16,7 @@ that what was measured with one rig is never said of another.
     uncertainty.toml     effect of picks that scatter, and of an unclear start      fitting/uncertainty/radii.py
     verdict.toml         limits of right fits                                       fitting/verdicts/verdict.py
     same_body.toml       difference between two fits of one body                    use/folder/one_body.py
-    measures.toml        errors of measures of breasts                              report/calibration.py
+    measures.toml        errors of measures; visits.toml: between dates              report/calibration.py, visits/
     volume.json          chest wall and tetrahedra                                  volume/known_volume.py
 """
 
