@@ -1,6 +1,6 @@
 // The rooms of the page, from the ground up.  A room imports itself and the rooms before it, never one after it; no file
 // is part of a circle, types included.  `npm run lint` checks it; README.md says what each room is for.
-const ROOMS = ["api", "store", "ui", "viewer", "scan", "landmarks", "fit", "drawing", "plan", "stances", "checks", "ink", "patients", "share", "app"];
+const ROOMS = ["languages", "api", "store", "ui", "viewer", "scan", "landmarks", "fit", "drawing", "plan", "stances", "checks", "ink", "patients", "share", "app"];
 
 /** Words and state, and what is plain HTML: no 3D in them. */
 const WITHOUT_3D = "^src/(api|store|ui|app)/|/(actions|state|text)\\.ts$|(Panel|Dialog|Menu|Card|Bar|State|Sliders|Curve|Layers|Pattern)\\.ts$";

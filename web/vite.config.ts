@@ -17,8 +17,9 @@ export default defineConfig({
     chunkSizeWarningLimit: 1000,
     modulePreload: { polyfill: false },
     // What many parts of the page share comes as one file, not as one for each set of parts: each file is another request.
-    rolldownOptions: { output: { codeSplitting: { groups: [{ name: "three", test: /node_modules/, minShareCount: 2 }, { name: "shared", test: /src/, minShareCount: 3 }] } } },
+    // Words stand alone: start.ts fills them before any module runs that has some.
+    rolldownOptions: { output: { codeSplitting: { groups: [{ name: "words", test: /languages\/words\.ts$/, priority: 1 }, { name: "three", test: /node_modules/, minShareCount: 2 }, { name: "shared", test: /src/, minShareCount: 3 }] } } },
   },
   // One set of modules for all files of a worker: loading them anew for each file took longer than the tests.
-  test: { include: ["test/**/*.test.ts"], environment: "node", pool: "threads", isolate: false, testTimeout: 60_000 }, // none of them waits; a busy machine takes its time
+  test: { include: ["test/**/*.test.ts"], environment: "node", pool: "threads", isolate: false, setupFiles: ["test/english.ts"], testTimeout: 60_000 }, // none of them waits; a busy machine takes its time
 });

@@ -49,7 +49,7 @@ from breastrig.rig.model import Rig
 from breastrig.scan.landmarks.names import WORDS
 
 HERE, PACKAGE = Path(__file__).parent, Path(breastrig.__file__).parent
-PAGE_WORDS = PACKAGE.parents[1] / "web" / "src" / "fit" / "resultText.ts"
+PAGE_WORDS = PACKAGE.parents[1] / "web" / "src" / "languages" / "en.json"
 OPENAPI, METHODS = PACKAGE / "api" / "openapi.json", ("get", "post", "put", "patch", "delete")
 UNIT_WORDS = {"mm": "mm", "deg": "°", "h": "hour", "": ""}
 STANCES = (STANDING, SUPINE, PRONE)
@@ -260,7 +260,7 @@ def difference_rows() -> Iterable[tuple[str, ...]]:
                 yield row["measure"], f"{row['half_band']}{unit}", f"{row['held_percent']} %"
 
 
-ANSWERS = {  # of the page's words (resultText.ts): when each is said
+ANSWERS = {  # of the page's words (fit.verdict.…): when each is said
     "check": "(also two and three) landmarks are there whose check narrows the lines, or a question is open",
     "ready": "good or uncalibrated, and nothing is asked",
     "draw": "check, nothing is asked, and no reason speaks against drawing: the width of the lines follows",
@@ -271,10 +271,11 @@ ANSWERS = {  # of the page's words (resultText.ts): when each is said
 
 def quality_blocks(rig: Rig) -> Mapping[str, str]:
     """`levels`: the words for each, `answers`: what the page says first, and `limits`: of the line error."""
-    verdict = re.search(r"const verdict = \{(.*?)\n\};", PAGE_WORDS.read_text("utf-8"), re.DOTALL)[1]
-    texts = dict(re.findall(r"^  (\w+): (?:\(.*?\) => )?(.+),$", verdict, re.MULTILINE))
-    answers = ((re.findall(r'["`]([^"`$]+)', texts[name])[0].strip(), when) for name, when in ANSWERS.items())
-    page = dict(re.findall(r'(\w+): "([^"]+)"', re.search(r"verdicts: \{(.*?)\}", PAGE_WORDS.read_text("utf-8"))[1]))
+    words = json.loads(PAGE_WORDS.read_text("utf-8"))
+    said = {name: words[f"fit.verdict.{name}"] for name in ANSWERS}
+    one = {name: text if isinstance(text, str) else text["one"] for name, text in said.items()}
+    answers = ((re.sub(r" *\{\w+\}", "", one[name]), when) for name, when in ANSWERS.items())
+    page = {level: words[f"fit.numbers.verdicts.{level}"] for level in get_args(Level)}
     rows = ((f"`{level}`", page[level], SAID[level], VERDICTS[level]) for level in get_args(Level))
     limits = verdict_limits(rig).lines
     named = (

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 SERVER = ("server/*.py", "server/*.toml", "server/*.md", "server/*.html")
-PAGE = ("web/src/*.ts", "web/*.md")
+PAGE = ("web/src/*.ts", "web/src/languages/en.json", "web/*.md")
 DOCS = ("docs/*.md", "README.md", "CONTRIBUTING.md")
 ALL = (*SERVER, *PAGE, *DOCS)
 INSTEAD = {  # pattern, between word boundaries: (the word to use, where)

@@ -4,6 +4,7 @@ import { join, resolve } from "node:path";
 import { type CDPSession, expect, type Locator, type Page, test as plain } from "@playwright/test";
 import type { LandmarkFile, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
+import "./english";
 
 const EXAMPLE = resolve(import.meta.dirname, "../../model_assets/example/standing");
 export const SCAN_FILE = join(process.env.BREASTRIG_E2E_EXAMPLES ?? "", "standing", "scan.ply"); // the service's own

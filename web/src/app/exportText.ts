@@ -1,14 +1,16 @@
 // What is written into an exported picture, and the menu that offers all files.
 
+import { word } from "../languages/words";
+
 export const files = {
-  scale: "10 cm at the middle of the body",
+  scale: word("app.files.scale"),
   saveAs: "view.png",
   ofPlan: { template: "template.pdf", left: "guide.stl?side=L", right: "guide.stl?side=R" } as const,
   lines: "lines.json",
-  linesHint: "drawn by hand on this scan, mm in its frame",
+  linesHint: word("app.files.linesHint"),
   distances: "distances.csv",
-  distancesHint: "of each vertex of fitted.ply, mm",
-  failed: "The picture could not be made: this browser gave none. Take a screenshot instead.",
+  distancesHint: word("app.files.distancesHint"),
+  failed: word("app.files.failed"),
 };
 
 export type OfPlan = keyof typeof files.ofPlan;

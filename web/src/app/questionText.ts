@@ -1,41 +1,41 @@
 // Questions before something goes: another patient, a scan to be deleted.
-import { plural } from "../ui/plural";
+import { listed, word } from "../languages/words";
 
 export const leaving = {
-  title: "Not everything is saved",
-  what: { landmarks: "The landmarks of this scan", lines: "Lines, patterns, lesions or notes", cuts: "What you cut away" },
-  lost: (things: readonly string[]) => `${things.join(" and ")} could not be saved. They are lost if you go on.`,
-  again: "Save again",
-  stay: "Stay here",
-  anyhow: "Go on without saving",
+  title: word("app.leaving.title"),
+  what: { landmarks: word("app.leaving.what.landmarks"), lines: word("app.leaving.what.lines"), cuts: word("app.leaving.what.cuts") },
+  lost: (things: readonly string[]) => word("app.leaving.lost", { things: listed(things) }),
+  again: word("app.leaving.again"),
+  stay: word("app.leaving.stay"),
+  anyhow: word("app.leaving.anyhow"),
 };
 
-const WHAT = { landmarks: "landmarks", lines: "the plan (lines, patterns, tumour, notes)", cuts: "cuts" };
+const WHAT = { landmarks: word("app.WHAT.landmarks"), lines: word("app.WHAT.lines"), cuts: word("app.WHAT.cuts") };
 
 export const unsaved = {
   says: (what: readonly (keyof typeof WHAT)[], why: string, isFull: boolean) =>
-    `Not saved yet: ${what.map((each) => WHAT[each]).join(", ")}. ${why} ${isFull ? "The browser has no room to keep it: leave this page open." : "It is kept in this tab, also over a reload or a sign-in, and saved as soon as that works."}`,
-  now: "Save now",
-  saved: "Everything is saved.",
+    word(isFull ? "app.unsaved.full" : "app.unsaved.kept", { what: what.map((each) => WHAT[each]).join(", "), why }),
+  now: word("app.unsaved.now"),
+  saved: word("app.unsaved.saved"),
 };
 
 export const deletion = {
-  title: "Delete this scan?",
+  title: word("app.deletion.title"),
   goes(landmarks: number, lines: number, planned: readonly string[], hasFit: boolean): string {
     const made = [
-      ...(landmarks > 0 ? [plural(landmarks, "landmark", "landmarks")] : []),
-      ...(lines > 0 ? [plural(lines, "line of yours", "lines of yours")] : []),
+      ...(landmarks > 0 ? [word("app.deletion.landmarks", { count: landmarks })] : []),
+      ...(lines > 0 ? [word("app.deletion.lines", { count: lines })] : []),
       ...planned,
-      ...(hasFit ? ["its fits with their files and reports, and every link that shows them"] : []),
+      ...(hasFit ? [word("app.deletion.fits")] : []),
     ];
-    return made.length === 0 ? "The service deletes the scan; nothing was made of it yet." : `The service deletes the scan and all that was made of it: ${made.join(", ")}.`;
+    return made.length === 0 ? word("app.deletion.alone") : word("app.deletion.all", { made: made.join(", ") });
   },
-  noWay: "There is no copy. You can take it back for ten seconds.",
-  note: "the note",
-  other: (isDrawn: boolean) => (isDrawn ? "The patient's other scans stay, without what was drawn on this one." : "The patient's other scans stay."),
-  confirm: "Delete",
-  keep: "Keep it",
-  soon: (title: string) => `${title} will be deleted in ten seconds.`,
-  undo: "Take it back",
-  announceDone: "The scan is deleted.",
+  noWay: word("app.deletion.noWay"),
+  note: word("app.deletion.note"),
+  other: (isDrawn: boolean) => (word(isDrawn ? "app.deletion.otherDrawn" : "app.deletion.other")),
+  confirm: word("app.deletion.confirm"),
+  keep: word("app.deletion.keep"),
+  soon: (title: string) => word("app.deletion.soon", { title }),
+  undo: word("app.deletion.undo"),
+  announceDone: word("app.deletion.announceDone"),
 };

@@ -1,39 +1,41 @@
 // The sentences of questions that have to be answered first.
+import { word } from "../languages/words";
+
 export { samePatient as patient } from "../stances/samePatientText";
 
 /** By what a file leaves open. */
 export const file = {
   frame: {
-    title: "Which side is the patient's left?",
-    how: "The patient faces you in each picture, lesions are ringed. Choose the picture that shows this patient. If you do not know, cancel and look at the original images.",
-    left: "left",
-    right: "right",
-    cancel: "Cancel, upload nothing",
+    title: word("checks.file.frame.title"),
+    how: word("checks.file.frame.how"),
+    left: word("checks.file.frame.left"),
+    right: word("checks.file.frame.right"),
+    cancel: word("checks.file.frame.cancel"),
   },
   series: {
-    title: "Which series?",
-    how: "Choose one that shows the skin all around both breasts, and the lesion. One series is read; the others are not kept.",
-    cancel: "Cancel, upload nothing",
+    title: word("checks.file.series.title"),
+    how: word("checks.file.series.how"),
+    cancel: word("checks.file.series.cancel"),
   },
   same_place: {
-    title: "Do these lesions lie in this image?",
-    how: "Ringed: where the first of them would lie, from the feet. If you do not know, cancel and look at the original images.",
-    cancel: "Cancel, take no lesions",
+    title: word("checks.file.same_place.title"),
+    how: word("checks.file.same_place.how"),
+    cancel: word("checks.file.same_place.cancel"),
   },
 };
 
 export const drawing = {
-  title: "Another patient's drawing?",
-  says: (theirs: string | null, ours: string) => `This file was made for ${theirs === null ? "another scan" : `patient ${theirs}`}. The patient on the page is ${ours}. Nothing has been imported.`,
-  leave: "Do not import",
-  take: (ours: string) => `Import: it is of ${ours}`,
+  title: word("checks.drawing.title"),
+  says: (theirs: string | null, ours: string) => (theirs === null ? word("checks.drawing.saysScan", { ours }) : word("checks.drawing.saysPatient", { theirs, ours })),
+  leave: word("checks.drawing.leave"),
+  take: (ours: string) => word("checks.drawing.take", { ours }),
 };
 
 export const size = {
-  title: "Is the size right?",
-  right: "Yes, the size is right",
-  measure: "Give a length measured on the patient",
-  as: (unit: string, cm: string) => `${unit}: ${cm}\u00a0cm`,
-  otherFile: "To read it in another unit, load its file again: this page does not keep it.",
-  anotherFile: "Choose another file",
+  title: word("checks.size.title"),
+  right: word("checks.size.right"),
+  measure: word("checks.size.measure"),
+  as: (unit: string, cm: string) => word("checks.size.as", { unit, cm }),
+  otherFile: word("checks.size.otherFile"),
+  anotherFile: word("checks.size.anotherFile"),
 };

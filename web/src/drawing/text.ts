@@ -1,184 +1,187 @@
 // Drawing on the scan: tools, lines, layers, the model's own drawings.
+import { capital, inSentence, word } from "../languages/words";
 import { sideOf } from "../landmarks/picks";
 import { writtenNumber } from "../ui/NumberField";
-import { plural } from "../ui/plural";
-import { formatMmWhole } from "../ui/units";
+import { formatMmWhole, formatUpTo } from "../ui/units";
 import type { LiveHandle } from "./state";
 import { type Tape, tapeHasHole, tapeLength } from "./tape/tape";
 
 type Unit = LiveHandle["numbers"][number]["unit"];
 
-export const amount = (value: number, unit: string): string => `${writtenNumber(unit === "mm" ? Math.round(10 * value) / 10 : value, unit)}${unit === "deg" ? "°" : unit === "h" ? " o'clock" : "\u00a0mm"}`;
+export const amount = (value: number, unit: string): string => {
+  const number = writtenNumber(unit === "mm" ? Math.round(10 * value) / 10 : value, unit);
+  return unit === "h" ? word("drawing.hour", { hour: number }) : `${number}${unit === "deg" ? "°" : "\u00a0mm"}`;
+};
 
-const several = (names: readonly string[]): string => (names.length > 3 ? plural(names.length, "line", "lines") : names.join(", "));
+const several = (names: readonly string[]): string => (names.length > 3 ? word("drawing.lines", { count: names.length }) : names.join(", "));
 
 export const sureness = {
-  hint: "The grey band holds the true line nine times in ten.",
-  least: (label: string, wide: string) => `Least sure: ${label}, ${wide}.`,
-  wider: (label: string) => `wider: ${label}`,
+  hint: word("drawing.sureness.hint"),
+  least: (label: string, wide: string) => word("drawing.sureness.least", { label, wide }),
+  wider: (label: string) => word("drawing.sureness.wider", { label }),
 };
 
 export const bands = {
-  error: (mm: string) => `±\u00a0${mm} mm`,
-  of: "the line's true place, 90 %",
+  error: (mm: string) => word("drawing.bands.error", { mm }),
+  of: word("drawing.bands.of"),
 };
 
 const mm = (length: number | null, hasHole: boolean): string => length === null ? "…" : `${hasHole ? "≈\u00a0" : ""}${formatMmWhole(length)}\u00a0mm`;
 
 export const tape = {
   /** a hole is crossed straight: the skin there is longer */
-  length: (length: number | null, hasHole: boolean) => `${mm(length, hasHole)}${hasHole ? ", over a hole" : ""}`,
-  total: (tape: Tape) => `${mm(tapeLength(tape), tapeHasHole(tape))} in all`,
+  length: (length: number | null, hasHole: boolean) => (hasHole ? word("drawing.tape.overHole", { length: mm(length, hasHole) }) : mm(length, hasHole)),
+  total: (tape: Tape) => word("drawing.tape.total", { length: mm(tapeLength(tape), tapeHasHole(tape)) }),
   says(tape: Tape): string {
-    if (tape.isRefused) return "No scanned skin leads there: measure around the gap.";
-    return tape.legs.length === 0 ? "The tape begins here." : this.total(tape);
+    if (tape.isRefused) return word("drawing.tape.refused");
+    return tape.legs.length === 0 ? word("drawing.tape.begins") : this.total(tape);
   },
-  end: "End the tape",
+  end: word("drawing.tape.end"),
 };
 
 export const mirrored = {
-  title: "Left breast, mirrored onto the right",
-  deeper: (mm: number) => `${mm} mm deeper`,
-  farther: (mm: number) => `${mm} mm farther out`,
-  numbers: (median: string, most: string) => `Differs by ${median} mm (median), 95 % by less than ${most} mm. Nearly everybody is asymmetric.`,
+  title: word("drawing.mirrored.title"),
+  deeper: (mm: number) => word("drawing.mirrored.deeper", { mm }),
+  farther: (mm: number) => word("drawing.mirrored.farther", { mm }),
+  numbers: (median: string, most: string) => word("drawing.mirrored.numbers", { median, most }),
 };
 
 export const canvas = {
-  open: "Draw on the full screen",
-  openHint: "The body alone with floating tools: for a tablet and a stylus",
-  done: "Done",
-  doneHint: "Back to the page (Esc)",
-  opened: "Full canvas. Escape leads back.",
-  closed: "Back on the page.",
-  tools: "Drawing tools",
-  views: "View",
-  inks: "Colour of the next line",
-  recolour: (name: string, ink: string) => `Draw ${name} in ${ink}`,
-  recolourShort: "Use colour",
-  noLine: "No line is chosen",
-  pen: "The pen draws; fingers turn, move and zoom.",
-  fingers: "Fingers",
-  fingersHint: "Fingers draw too, though a pen was seen",
-  fingersDraw: "The pen and one finger draw; two fingers turn the body.",
+  open: word("drawing.canvas.open"),
+  openHint: word("drawing.canvas.openHint"),
+  done: word("drawing.canvas.done"),
+  doneHint: word("drawing.canvas.doneHint"),
+  opened: word("drawing.canvas.opened"),
+  closed: word("drawing.canvas.closed"),
+  tools: word("drawing.canvas.tools"),
+  views: word("drawing.canvas.views"),
+  inks: word("drawing.canvas.inks"),
+  recolour: (name: string, ink: string) => word("drawing.canvas.recolour", { name, ink }),
+  recolourShort: word("drawing.canvas.recolourShort"),
+  noLine: word("drawing.canvas.noLine"),
+  pen: word("drawing.canvas.pen"),
+  fingers: word("drawing.canvas.fingers"),
+  fingersHint: word("drawing.canvas.fingersHint"),
+  fingersDraw: word("drawing.canvas.fingersDraw"),
 };
 
 /** What a step of the history has changed. */
 export const changes = {
-  drawn: (names: readonly string[]) => `${several(names)} drawn`,
-  erased: (names: readonly string[]) => `${several(names)} erased`,
-  renamed: (before: string, after: string) => `${before} called ${after}`,
-  recoloured: (name: string) => `${name} in another colour`,
-  moved: (name: string) => `${name} changed`,
-  deep: (name: string, depth: string) => `depth of ${name}: ${depth}`,
-  pattern: (before: string, after: string) => (before === "" ? `${after} chosen` : after === "" ? `${before} put aside` : `${after} instead of ${before}`),
-  number: (label: string, before: string, after: string) => `${label.toLowerCase()} ${after} instead of ${before}`,
-  on: (label: string, side: "R" | "L") => `${label}, ${{ R: "right", L: "left" }[side]}`,
-  apart: "right and left set apart",
-  together: "one number for right and left",
-  depth: "depth below the skin",
-  depthOf: (mm: number | null) => (mm === null ? "not known" : amount(mm, "mm")),
-  lesions: "lesions changed",
-  note: "notes changed",
-  ink: "choice among the lines of ink",
-  nothing: "the last step",
+  drawn: (names: readonly string[]) => word("drawing.changes.drawn", { names: several(names) }),
+  erased: (names: readonly string[]) => word("drawing.changes.erased", { names: several(names) }),
+  renamed: (before: string, after: string) => word("drawing.changes.renamed", { before, after }),
+  recoloured: (name: string) => word("drawing.changes.recoloured", { name }),
+  moved: (name: string) => word("drawing.changes.moved", { name }),
+  deep: (name: string, depth: string) => word("drawing.changes.deep", { name, depth }),
+  pattern: (before: string, after: string) => (before === "" ? word("drawing.changes.chosen", { after }) : after === "" ? word("drawing.changes.putAside", { before }) : word("drawing.changes.instead", { after, before })),
+  number: (label: string, before: string, after: string) => word("drawing.changes.number", { label: inSentence(label), after, before }),
+  on: (label: string, side: "R" | "L") => word(side === "L" ? "drawing.changes.onLeft" : "drawing.changes.onRight", { label }),
+  apart: word("drawing.changes.apart"),
+  together: word("drawing.changes.together"),
+  depth: word("drawing.changes.depth"),
+  depthOf: (mm: number | null) => (mm === null ? word("drawing.changes.depthUnknown") : amount(mm, "mm")),
+  lesions: word("drawing.changes.lesions"),
+  note: word("drawing.changes.note"),
+  ink: word("drawing.changes.ink"),
+  nothing: word("drawing.changes.nothing"),
 };
 
 export const lesions = {
-  heading: "Lesions",
-  name: "Name",
-  numbered: (number: number) => `Lesion ${number}`,
-  center: "Centre",
-  centerHint: "x, y, z in mm, in this scan's frame",
-  radius: "Radius",
-  add: "Add",
-  mark: "Mark it in the slices",
-  noPlace: "The centre needs three numbers in millimetres, as 12.5 -80 43.",
-  says: (radius: number, depth: number | null) => [`radius ${Number(radius.toFixed(1))}\u00a0mm`, depth === null ? "" : `${Math.round(depth)}\u00a0mm deep`].filter((part) => part !== "").join(", "),
+  heading: word("drawing.lesions.heading"),
+  name: word("drawing.lesions.name"),
+  numbered: (number: number) => word("drawing.lesions.numbered", { number }),
+  center: word("drawing.lesions.center"),
+  centerHint: word("drawing.lesions.centerHint"),
+  radius: word("drawing.lesions.radius"),
+  add: word("drawing.lesions.add"),
+  mark: word("drawing.lesions.mark"),
+  noPlace: word("drawing.lesions.noPlace"),
+  says: (radius: number, depth: number | null) => (depth === null ? word("drawing.lesions.says", { radius: formatUpTo(radius, 1) }) : word("drawing.lesions.saysDeep", { radius: formatUpTo(radius, 1), deep: formatMmWhole(depth) })),
 };
 
 export const drawing = {
-  stem: "Line",
-  tools: "Tool",
-  toolNames: { none: "Turn", pen: "Pen", points: "Points", tumour: "Tumour", tape: "Tape", erase: "Erase" },
+  stem: word("drawing.stem"),
+  tools: word("drawing.tools"),
+  toolNames: { none: word("drawing.toolNames.none"), pen: word("drawing.toolNames.pen"), points: word("drawing.toolNames.points"), tumour: word("drawing.toolNames.tumour"), tape: word("drawing.toolNames.tape"), erase: word("drawing.toolNames.erase") },
   toolHints: {
-    none: "Put the tool down: dragging turns the body (Esc)",
-    pen: "Draw on the skin (P). By keys: arrows on the body move a cross, Enter sets a corner, twice ends the line.",
-    points: "Move the points of a line (E); a chosen one also by arrow keys on the body",
-    tumour: "Mark a tumour by a circle on the skin (T)",
-    tape: "Measure along the skin (M); nothing is saved",
-    erase: "Erase a line by touching it",
+    none: word("drawing.toolHints.none"),
+    pen: word("drawing.toolHints.pen"),
+    points: word("drawing.toolHints.points"),
+    tumour: word("drawing.toolHints.tumour"),
+    tape: word("drawing.toolHints.tape"),
+    erase: word("drawing.toolHints.erase"),
   },
   hints: {
-    none: "Dragging turns the body.",
-    pen: "Drag to draw, or click corner after corner; a click on the start closes the line, Enter ends it. The second button or two fingers turn the body.",
-    points: "Click a line, then drag its points; click on the line for a new one, Delete takes one away. The second button or two fingers turn the body.",
-    tape: "Click from place to place: each length is along the skin. Escape ends the tape; nothing is saved. The second button or two fingers turn the body.",
-    erase: "Touch a line to erase it. The second button or two fingers turn the body.",
-    tumour: "Click where the tumour is; the radius is along the skin. The second button or two fingers turn the body.",
+    none: word("drawing.hints.none"),
+    pen: word("drawing.hints.pen"),
+    points: word("drawing.hints.points"),
+    tape: word("drawing.hints.tape"),
+    erase: word("drawing.hints.erase"),
+    tumour: word("drawing.hints.tumour"),
   },
-  radius: "Radius",
-  tumourName: (mm: string) => `Tumour ${mm} mm`,
-  undo: "Undo (Z)",
-  redo: "Redo (Shift+Z)",
-  finish: "End the line",
-  again: "Save again",
-  name: (name: string) => `Name of ${name}`,
-  nameTaken: "Another line has this name.",
-  depth: "Depth",
-  depthHint: "How deep it is to be cut, below the nearest skin: the report says what that takes. Left empty where it is not decided.",
-  announceDepth: (name: string, mm: number | null) => (mm === null ? `${name} has no depth.` : `${name}: ${mm} mm deep.`),
-  length: (cm: string) => `${cm} cm`,
-  close: (name: string) => `Close ${name} to a ring`,
-  open: (name: string) => `Open the ring ${name}`,
-  closeShort: "Close",
-  openShort: "Open",
-  erase: (name: string) => `Erase ${name}`,
-  mirror: (name: string) => `Mirror ${name} to the other side`,
-  mirrored: (name: string) => `${name.slice(0, 85)}, mirrored`,
-  noOtherSide: (name: string) => `The other side of “${name}” is not on this scan, so it was not mirrored.`,
-  corner: (number: number, count: number) => `Point ${number} of ${count}`,
-  noCorner: (count: number) => plural(count, "point", "points"),
-  previous: "Previous point",
-  next: "Next point",
-  remove: "Delete point",
-  nudge: "Move the point along the skin",
-  arrows: { ArrowLeft: "To the left", ArrowUp: "Up", ArrowDown: "Down", ArrowRight: "To the right" },
+  radius: word("drawing.radius"),
+  tumourName: (mm: string) => word("drawing.tumourName", { mm }),
+  undo: word("drawing.undo"),
+  redo: word("drawing.redo"),
+  finish: word("drawing.finish"),
+  again: word("drawing.again"),
+  name: (name: string) => word("drawing.name", { name }),
+  nameTaken: word("drawing.nameTaken"),
+  depth: word("drawing.depth"),
+  depthHint: word("drawing.depthHint"),
+  announceDepth: (name: string, mm: number | null) => (mm === null ? word("drawing.announceNoDepth", { name }) : word("drawing.announceDepth", { name, mm })),
+  length: (cm: string) => word("drawing.length", { cm }),
+  close: (name: string) => word("drawing.close", { name }),
+  open: (name: string) => word("drawing.open", { name }),
+  closeShort: word("drawing.closeShort"),
+  openShort: word("drawing.openShort"),
+  erase: (name: string) => word("drawing.erase", { name }),
+  mirror: (name: string) => word("drawing.mirror", { name }),
+  mirrored: (name: string) => word("drawing.mirroredName", { name: name.slice(0, 85) }),
+  noOtherSide: (name: string) => word("drawing.noOtherSide", { name }),
+  corner: (number: number, count: number) => word("drawing.corner", { number, count }),
+  noCorner: (count: number) => word("drawing.noCorner", { count }),
+  previous: word("drawing.previous"),
+  next: word("drawing.next"),
+  remove: word("drawing.remove"),
+  nudge: word("drawing.nudge"),
+  arrows: { ArrowLeft: word("drawing.arrows.ArrowLeft"), ArrowUp: word("drawing.arrows.ArrowUp"), ArrowDown: word("drawing.arrows.ArrowDown"), ArrowRight: word("drawing.arrows.ArrowRight") },
   arrowSigns: { ArrowLeft: "←", ArrowUp: "↑", ArrowDown: "↓", ArrowRight: "→" },
-  dashed: "Dashed and paler where the scan shows no skin: a guess of the model.",
-  elsewhere: (name: string, mm: number) => `“${name}” lies ${Math.round(mm)} mm off this scan: it was drawn on another one, or in another unit.`,
+  dashed: word("drawing.dashed"),
+  elsewhere: (name: string, mm: number) => word("drawing.elsewhere", { name, mm: Math.round(mm) }),
   imported: (count: number, mm: number, out: readonly string[]) =>
-    [`${plural(count, "line", "lines")} read`, ...(mm > 0 ? [`moved onto the skin by up to ${Math.round(mm)} mm`] : []), ...(out.length > 0 ? [`left out, more than 10 mm off this scan: ${out.join(", ")}`] : [])].join("; ") + ".",
+    [word("drawing.imported", { count }), ...(mm > 0 ? [word("drawing.importedMoved", { mm: Math.round(mm) })] : []), ...(out.length > 0 ? [word("drawing.importedOut", { names: out.join(", ") })] : [])].join("; ") + ".",
   pattern: {
-    stillNeeded: (labels: readonly string[]) => `Nothing is entered yet: say ${labels.join(", ")}.`,
-    depth: "Depth below the skin",
-    depthHint: "of the tumour; leave it empty where it is not known",
-    note: "Notes",
-    needsFit: "Drawn on the body as soon as the model is fitted.",
-    mirror: "Mirror to the other side",
-    byItself: "auto",
-    choices: { "": "choose", L: "Patient's left", R: "Patient's right", both: "Both" } as Record<string, string>,
-    range: (min: number, max: number, unit: string) => `${min} to ${max} ${unit}`.trim(),
+    stillNeeded: (labels: readonly string[]) => word("drawing.pattern.stillNeeded", { labels: labels.join(", ") }),
+    depth: word("drawing.pattern.depth"),
+    depthHint: word("drawing.pattern.depthHint"),
+    note: word("drawing.pattern.note"),
+    needsFit: word("drawing.pattern.needsFit"),
+    mirror: word("drawing.pattern.mirror"),
+    byItself: word("drawing.pattern.byItself"),
+    choices: { "": word("drawing.pattern.choices."), L: word("drawing.pattern.choices.L"), R: word("drawing.pattern.choices.R"), both: word("drawing.pattern.choices.both") } as Record<string, string>,
+    range: (min: number, max: number, unit: string) => word("drawing.pattern.range", { min, max, unit }).trim(),
   },
   handles: {
     says: ({ label, side, numbers }: LiveHandle) =>
-      numbers.length === 1 ? `${label}: ${amount(numbers[0]!.value, numbers[0]!.unit)}` : `${numbers.map((each) => `${each.label} ${amount(each.value, each.unit)}`).join(", ")}, ${side === "L" ? "left" : "right"}`,
-    ends: (label: string, value: number, unit: Unit) => `${label} stops at ${amount(value, unit)}.`,
-    keys: "Drag it on the skin, or move it by the arrow keys: 1 mm, with Shift 5 mm.",
+      numbers.length === 1 ? `${label}: ${amount(numbers[0]!.value, numbers[0]!.unit)}` : word(side === "L" ? "drawing.changes.onLeft" : "drawing.changes.onRight", { label: numbers.map((each) => `${each.label} ${amount(each.value, each.unit)}`).join(", ") }),
+    ends: (label: string, value: number, unit: Unit) => word("drawing.handles.ends", { label, amount: amount(value, unit) }),
+    keys: word("drawing.handles.keys"),
   },
   /** "breast_L" → "Breast, patient's left": for shapes whose label is not at hand */
   shapeName(name: string): string {
-    const plain = name.replace(/_[LR]$/, "").replaceAll("_", " ");
-    const side = { left: ", patient's left", right: ", patient's right", middle: "" }[sideOf(name)];
-    return plain.charAt(0).toUpperCase() + plain.slice(1) + side;
+    const label = capital(name.replace(/_[LR]$/, "").replaceAll("_", " "));
+    const side = sideOf(name);
+    return side === "middle" ? label : word(side === "left" ? "drawing.onPatientsLeft" : "drawing.onPatientsRight", { label });
   },
-  announceCorner: (number: number) => `Corner ${number}.`,
-  announceDrawn: (name: string) => `${name} is drawn.`,
-  announceClosed: (name: string) => `${name} is closed.`,
-  announceRenamed: (name: string) => `Now called ${name}.`,
-  announceRecoloured: (name: string) => `${name} has another colour.`,
-  announceErased: (name: string) => `${name} is erased.`,
-  merged: "The plan was changed in another tab or by somebody else: both are kept, look at the lines.",
-  nothingEarlier: "There is nothing earlier to go back to.",
-  announceMoved: "The point is moved.",
-  announceCornerGone: "The point is deleted.",
+  announceCorner: (number: number) => word("drawing.announceCorner", { number }),
+  announceDrawn: (name: string) => word("drawing.announceDrawn", { name }),
+  announceClosed: (name: string) => word("drawing.announceClosed", { name }),
+  announceRenamed: (name: string) => word("drawing.announceRenamed", { name }),
+  announceRecoloured: (name: string) => word("drawing.announceRecoloured", { name }),
+  announceErased: (name: string) => word("drawing.announceErased", { name }),
+  merged: word("drawing.merged"),
+  nothingEarlier: word("drawing.nothingEarlier"),
+  announceMoved: word("drawing.announceMoved"),
+  announceCornerGone: word("drawing.announceCornerGone"),
 };

@@ -53,7 +53,7 @@ export function createVerdictBox(ways: WaysOut | null) {
           const out = ways ? [fileButton(words.anotherFile, ANY_FILE, "outlined", (file) => ways.anotherFile(file)), button(words.setPoints, () => ways.setPoints(), "outlined")] : [];
           return [el("p", { class: "verdict-level" }, icon("alert"), words.cannot), ...reasons.map((reason) => el("p", {}, reason)), ...out];
         }
-        const said = el("p", {}, words.lines(lines?.of ?? words.anyLines, wideOf(mm)), mm === null ? null : el("span", { class: "muted small" }, ` ${marginOf(mm)}`), `. ${asks.points > 0 && asks.expected !== null ? words.brings(asks.points, wideOf(asks.expected)) : mm === null ? words.unknown : words.band}`);
+        const said = el("p", {}, words.lines(lines?.of ?? words.anyLines, wideOf(mm)), mm === null ? null : el("span", { class: "muted small" }, ` ${marginOf(mm)}`), `. ${asks.points > 0 && asks.expected !== null ? words.brings(asks.points, fingersOf(asks.expected) ?? 0) : mm === null ? words.unknown : words.band}`);
         return [
           el("p", { class: "verdict-level" }, fingersMark(fingersOf(mm)), asks.count > 0 ? words.check(asks.count) : level !== "check" ? words.ready : reasons.length === 0 ? words.draw(wideOf(mm)) : words.look),
           said,

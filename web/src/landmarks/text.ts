@@ -1,61 +1,62 @@
 // Landmarks and their proposals.
-import { plural } from "../ui/plural";
+import { inSentence, listed, word } from "../languages/words";
+import { formatFixed } from "../ui/units";
 import { marks } from "./marks/text";
 import { isMark, markCalled, type Picks, picksChanged, plainLabel, sideOf } from "./picks";
 
-const several = (labels: readonly string[]): string => (labels.length > 3 ? plural(labels.length, "point", "points") : labels.join("; ")); // landmarks and marks of the skin
+const several = (labels: readonly string[]): string => (labels.length > 3 ? word("landmarks.points", { count: labels.length }) : labels.join("; ")); // landmarks and marks of the skin
 
 export const landmarks = {
   /** "nipple, patient's left": as it stands inside a sentence */
   spoken({ name, label }: { name: string; label: string }): string {
-    const plain = plainLabel(label);
-    const side = { left: ", patient's left", right: ", patient's right", middle: "" }[sideOf(name)];
-    return plain.charAt(0).toLowerCase() + plain.slice(1) + side;
+    const plain = inSentence(plainLabel(label));
+    const side = sideOf(name);
+    return side === "middle" ? plain : word(side === "left" ? "landmarks.spokenLeft" : "landmarks.spokenRight", { label: plain });
   },
-  sides: { left: "patient's LEFT", right: "patient's RIGHT", middle: "midline" },
-  sideWords: { left: "LEFT", right: "RIGHT", middle: "" },
-  sideShort: { left: "L", right: "R", middle: "" },
-  placed: "placed",
-  skippedState: "skipped",
-  missing: "not placed",
-  exchange: (label: string) => `Exchange left and right: ${label.charAt(0).toLowerCase()}${label.slice(1)}`,
-  exchangeAll: "Exchange left and right of all pairs",
-  skip: "Skip",
-  remove: (label: string) => `Remove ${label}`,
-  stop: "Stop",
-  importFile: "Import",
-  importHint: "Read landmarks from JSON, a table (CSV), MeshLab .pp, 3D Slicer .mrk.json or .fcsv, or Landmark Editor .pts",
-  exportHint: "Save the placed landmarks",
+  sides: { left: word("landmarks.sides.left"), right: word("landmarks.sides.right"), middle: word("landmarks.sides.middle") },
+  sideWords: { left: word("landmarks.sideWords.left"), right: word("landmarks.sideWords.right"), middle: "" },
+  sideShort: { left: word("landmarks.sideShort.left"), right: word("landmarks.sideShort.right"), middle: "" },
+  placed: word("landmarks.placed"),
+  skippedState: word("landmarks.skippedState"),
+  missing: word("landmarks.missing"),
+  exchange: (label: string) => word("landmarks.exchange", { label: inSentence(label) }),
+  exchangeAll: word("landmarks.exchangeAll"),
+  skip: word("landmarks.skip"),
+  remove: (label: string) => word("landmarks.remove", { label }),
+  stop: word("landmarks.stop"),
+  importFile: word("landmarks.importFile"),
+  importHint: word("landmarks.importHint"),
+  exportHint: word("landmarks.exportHint"),
   exported: {
-    json: "for this page and the command line, in mm",
-    csv: "for spreadsheets, in the scan's unit",
-    pp: "for MeshLab",
-    "mrk.json": "for 3D Slicer",
+    json: word("landmarks.exported.json"),
+    csv: word("landmarks.exported.csv"),
+    pp: word("landmarks.exported.pp"),
+    "mrk.json": word("landmarks.exported.mrk.json"),
   },
-  useExample: "Use the example's landmarks",
-  again: "Try again",
-  how: "A click on the body places the point, dragging turns the view.",
-  guideTitle: "Place this point",
-  guideCaption: "Shown on the model",
+  useExample: word("landmarks.useExample"),
+  again: word("landmarks.again"),
+  how: word("landmarks.how"),
+  guideTitle: word("landmarks.guideTitle"),
+  guideCaption: word("landmarks.guideCaption"),
   announcePlaced: (label: string, next: string | null) =>
-    next === null ? `Placed: ${label}. All landmarks are done.` : `Placed: ${label}. Next: ${next}.`,
-  announceMoved: (label: string) => `Moved: ${label}.`,
-  noSkin: "There is no skin under the cross: move it with the arrow keys.",
-  undone: (changes: string) => `Undone: ${changes}.`,
-  redone: (changes: string) => `Redone: ${changes}.`,
+    next === null ? word("landmarks.announcePlacedLast", { label }) : word("landmarks.announcePlaced", { label, next }),
+  announceMoved: (label: string) => word("landmarks.announceMoved", { label }),
+  noSkin: word("landmarks.noSkin"),
+  undone: (changes: string) => word("landmarks.undone", { changes }),
+  redone: (changes: string) => word("landmarks.redone", { changes }),
   changes: {
-    placed: (labels: readonly string[]) => `placed ${several(labels)}`,
-    moved: (labels: readonly string[]) => `moved ${several(labels)}`,
-    removed: (labels: readonly string[]) => `removed ${several(labels)}`,
+    placed: (labels: readonly string[]) => word("landmarks.changes.placed", { labels: several(labels) }),
+    moved: (labels: readonly string[]) => word("landmarks.changes.moved", { labels: several(labels) }),
+    removed: (labels: readonly string[]) => word("landmarks.changes.removed", { labels: several(labels) }),
   },
   changedElsewhere: (taken: readonly string[], overruled: readonly string[]) =>
     [
-      ...(taken.length === 0 ? [] : [`Changed in another tab or by somebody else, and shown here now: ${taken.join("; ")}.`]),
-      ...(overruled.length === 0 ? [] : [`Changed in another tab or by somebody else as well: ${overruled.join("; ")}. What was done here last counts.`]),
+      ...(taken.length === 0 ? [] : [word("landmarks.changedElsewhere", { changes: taken.join("; ") })]),
+      ...(overruled.length === 0 ? [] : [word("landmarks.changedBoth", { changes: overruled.join("; ") })]),
     ].join(" "),
-  announceImported: (landmarks: number, marks: number) => `${plural(landmarks, "landmark", "landmarks")}${marks > 0 ? ` and ${plural(marks, "mark", "marks")}` : ""} read.`,
+  announceImported: (landmarks: number, marks: number) => word("landmarks.announceImported", { what: listed([word("landmarks.landmarks", { count: landmarks }), ...(marks > 0 ? [word("landmarks.ofMarks", { count: marks })] : [])]) }),
   inTrueSize: (factor: number) =>
-    `The file's places were taken in the true size of this scan, ${factor.toFixed(3)} times that of its own file. If they were picked on that file, take the length out, read them again, then give the length.`,
+    word("landmarks.inTrueSize", { factor: formatFixed(factor, 3) }),
 };
 
 /** What a step of the history has changed. */
@@ -71,53 +72,50 @@ export function picksSaid(before: Picks, after: Picks, list: readonly { readonly
 }
 
 export const questions = {
-  keep: "Keep it",
-  keepAll: "Keep them",
-  takeOut: "Take it out",
-  exchange: "Exchange left and right",
-  exchangeTwo: "Exchange the two",
-  allSides: "all sides",
-  state: "placed, to be checked",
-  wrongSide: (isSeveral: boolean) => (isSeveral ? "Are left and right swapped? Left points lie on the right side of the body, and right ones on the left." : "Are left and right swapped? Each of the two lies on the other's side of the body."),
-  kept: "kept",
-  keptState: "placed, kept as picked",
-  keptHint: (label: string) => `Kept as picked, whatever the fit says: ${label}. Press to have it judged again.`,
-  announceAsked: (sentences: readonly string[]) => `Please check: ${sentences.join(" ")}`,
-  announceKept: (labels: string) => `Kept: ${labels}.`,
-  announceUnkept: (label: string) => `Judged again: ${label}.`,
-  announceTakenOut: (label: string) => `Taken out: ${label}.`,
-  announceExchanged: (labels: string) => `Exchanged: ${labels}.`,
+  keep: word("landmarks.questions.keep"),
+  keepAll: word("landmarks.questions.keepAll"),
+  takeOut: word("landmarks.questions.takeOut"),
+  exchange: word("landmarks.questions.exchange"),
+  exchangeTwo: word("landmarks.questions.exchangeTwo"),
+  allSides: word("landmarks.questions.allSides"),
+  state: word("landmarks.questions.state"),
+  wrongSide: (isSeveral: boolean) => (word(isSeveral ? "landmarks.questions.wrongSides" : "landmarks.questions.wrongSide")),
+  kept: word("landmarks.questions.kept"),
+  keptState: word("landmarks.questions.keptState"),
+  keptHint: (label: string) => word("landmarks.questions.keptHint", { label }),
+  announceAsked: (sentences: readonly string[]) => word("landmarks.questions.announceAsked", { sentences: sentences.join(" ") }),
+  announceKept: (labels: string) => word("landmarks.questions.announceKept", { labels }),
+  announceUnkept: (label: string) => word("landmarks.questions.announceUnkept", { label }),
+  announceTakenOut: (label: string) => word("landmarks.questions.announceTakenOut", { label }),
+  announceExchanged: (labels: string) => word("landmarks.questions.announceExchanged", { labels }),
 };
 
 export const proposals = {
-  looking: "Looking for the landmarks on this scan …",
-  found: (count: number, rough: number) => {
-    const doubtful = rough === 0 ? "" : rough === 1 ? " One is a rough guess: check it by itself." : ` ${rough} are rough guesses: check each.`;
-    return `${plural(count, "proposal", "proposals")}, dashed; ± mm holds 90 of 100 true places. One that you agree to keeps its error until you move it, or confirm it close up.${doubtful}`;
-  },
-  notProposed: (labels: readonly string[], reason: string) => `Not proposed: ${labels.join("; ")}. ${reason}`,
-  none: (reason: string) => `No proposals: ${reason}`,
-  late: "The service is still busy with it.",
-  again: "Ask again",
-  confirm: (label: string) => `Confirm the proposed ${label}`,
-  confirmSeen: (count: number) => (count === 1 ? "Confirm the point seen" : `Confirm the ${count} points seen`),
-  fit: "Fit as proposed",
-  check: "Check them one by one",
-  error: (mm: string) => `±\u00a0${mm}\u00a0mm`,
+  looking: word("landmarks.proposals.looking"),
+  found: (count: number, rough: number) => [word("landmarks.proposals.found", { count }), ...(rough > 0 ? [word("landmarks.proposals.rough", { count: rough })] : [])].join(" "),
+  notProposed: (labels: readonly string[], reason: string) => word("landmarks.proposals.notProposed", { labels: labels.join("; "), reason }),
+  none: (reason: string) => word("landmarks.proposals.none", { reason }),
+  late: word("landmarks.proposals.late"),
+  again: word("landmarks.proposals.again"),
+  confirm: (label: string) => word("landmarks.proposals.confirm", { label }),
+  confirmSeen: (count: number) => word("landmarks.proposals.confirmSeen", { count }),
+  fit: word("landmarks.proposals.fit"),
+  check: word("landmarks.proposals.check"),
+  error: (mm: string) => word("landmarks.proposals.error", { mm }),
   errorHint: (mm: string, reason: string | null | undefined) =>
-    `${reason ? `Found on the skin: ${reason}. ` : ""}The true place lies within ${mm} mm of the proposal in 90 of 100 cases.`,
-  offScanHint: "The scan shows no skin here: the model alone says where it would be.",
+    reason ? word("landmarks.proposals.errorHintFound", { reason, mm }) : word("landmarks.proposals.errorHint", { mm }),
+  offScanHint: word("landmarks.proposals.offScanHint"),
   unknown: "?",
-  take: "Take the proposal",
-  looked: "It is right, seen close up",
-  nearer: "Zoom in until single millimetres show, then confirm it; or click where it belongs.",
-  felt: "This point is felt, not seen: feel for it on the patient, and click there.",
-  agreed: "agreed",
-  agreedHint: (label: string, mm: string | null) => `Only agreed to, so it keeps the proposal's error${mm ? ` of ± ${mm} mm` : ""}: ${label}. Press to look closely.`,
-  agreedState: "proposed, only agreed to",
+  take: word("landmarks.proposals.take"),
+  looked: word("landmarks.proposals.looked"),
+  nearer: word("landmarks.proposals.nearer"),
+  felt: word("landmarks.proposals.felt"),
+  agreed: word("landmarks.proposals.agreed"),
+  agreedHint: (label: string, mm: string | null) => (mm ? word("landmarks.proposals.agreedHintOf", { label, mm }) : word("landmarks.proposals.agreedHint", { label })),
+  agreedState: word("landmarks.proposals.agreedState"),
   errorShort: (mm: string) => `±\u00a0${mm}`,
-  rowState: (mm: string, reason: string | null | undefined) => `proposed${reason ? ` (${reason})` : ""}, within ${mm} millimetres`,
-  announceFound: (count: number) => `${plural(count, "landmark is", "landmarks are")} proposed.`,
+  rowState: (mm: string, reason: string | null | undefined) => (reason ? word("landmarks.proposals.rowStateFound", { reason, mm }) : word("landmarks.proposals.rowState", { mm })),
+  announceFound: (count: number) => word("landmarks.proposals.announceFound", { count }),
   announceConfirmed: (labels: readonly string[]) =>
-    labels.length === 1 ? `Confirmed: ${labels[0]}.` : `${labels.length} proposed landmarks confirmed.`,
+    word("landmarks.proposals.announceConfirmed", { count: labels.length, label: labels[0] ?? "" }),
 };

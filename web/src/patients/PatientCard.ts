@@ -1,4 +1,5 @@
 // One patient: the scans by day, what is planned in a line, how sure it is, when it came and when it goes.
+import { locale } from "../languages/words";
 import type { Patient } from "../api/types";
 import { fingersMark, fingersOf } from "../fit/fingers";
 import { button } from "../ui/controls";
@@ -9,8 +10,8 @@ import { daysUntil, deletedAt, latestScans, type PatientsState, plannedLine, sur
 import * as text from "./text";
 
 const words = text.home;
-const moment = new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "short" });
-const time = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digit" });
+const moment = new Intl.DateTimeFormat(locale(), { dateStyle: "medium", timeStyle: "short" });
+const time = new Intl.DateTimeFormat(locale(), { hour: "2-digit", minute: "2-digit" });
 
 let count = 0; // names of the menus
 

@@ -1,8 +1,10 @@
 // The plan as a whole.
+import { word } from "../languages/words";
+
 export const plan = {
-  changed: "The plan was changed in another tab or by somebody else.",
-  takeOver: "Show it as it is now",
-  contested: (changes: string) => `Changed here and in another tab, in two ways. There: ${changes}. As it is here now it is saved.`,
-  mine: "Keep it as it is here",
-  theirs: "Take it as it is there",
+  changed: word("plan.changed"),
+  takeOver: word("plan.takeOver"),
+  contested: (changes: string) => word("plan.contested", { changes }),
+  mine: word("plan.mine"),
+  theirs: word("plan.theirs"),
 };

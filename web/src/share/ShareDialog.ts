@@ -1,4 +1,5 @@
 // Show this result to somebody: what the link shows, how long, behind which passcode; and the links made so far.
+import { locale } from "../languages/words";
 import type { Share, ShareRequest } from "../api/types";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
@@ -14,7 +15,7 @@ const DAYS = ["1", "7", "30", "90"] as const;
 type Days = (typeof DAYS)[number];
 const SHOWN = ["none", "plain", "full"] as const;
 const words = text.share;
-const moment = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
+const moment = new Intl.DateTimeFormat(locale(), { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
 const at = (iso: string): string => moment.format(new Date(iso));
 
 type Shown = Pick<PageSlice & ShareSlice, "problems" | "share">;

@@ -1,4 +1,5 @@
 // Where another scan comes from: a file, a prediction, or those filed under a code that is typed.
+import { locale } from "../languages/words";
 import type { FitSlice } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
 import type { PageSlice } from "../store/page";
@@ -13,7 +14,7 @@ import * as text from "./text";
 
 const words = text.stances.dialog;
 const made = text.stances.predicted;
-const moment = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
+const moment = new Intl.DateTimeFormat(locale(), { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
 
 type Shown = Pick<PageSlice & ScanSlice & FitSlice & StancesSlice, "examples" | "problems" | "scan" | "stance" | "fit" | "stances">;
 

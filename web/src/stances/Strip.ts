@@ -1,5 +1,6 @@
 // To the left: all scans of the patient.  One tap shows one, a second one beside it, another tap puts it away.
 import { fingersMark, fingersOf, saidWide } from "../fit/fingers";
+import { locale } from "../languages/words";
 import { el, fill } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { StancesActions } from "./actions";
@@ -7,11 +8,13 @@ import { daysOf, type StripShown, type Thumb, thumbsOf } from "./thumbs";
 import * as text from "./text";
 
 const words = text.strip;
-const day = new Intl.DateTimeFormat("en-GB", { day: "numeric", month: "long" });
-const time = new Intl.DateTimeFormat("en-GB", { hour: "2-digit", minute: "2-digit" });
+const day = new Intl.DateTimeFormat(locale(), { day: "numeric", month: "long" });
+const dayOfYear = new Intl.DateTimeFormat(locale(), { day: "numeric", month: "long", year: "numeric" });
+const time = new Intl.DateTimeFormat(locale(), { hour: "2-digit", minute: "2-digit" });
 
 /** Today, or the day as a person says it. */
-export const dayName = (at: Date, now: Date): string => (at.toDateString() === now.toDateString() ? words.today : day.format(at) + (at.getFullYear() === now.getFullYear() ? "" : ` ${at.getFullYear()}`));
+export const dayName = (at: Date, now: Date): string => (isToday(at, now) ? words.today : (at.getFullYear() === now.getFullYear() ? day : dayOfYear).format(at));
+export const isToday = (at: Date, now: Date): boolean => at.toDateString() === now.toDateString();
 
 /** `pointsOf`: how many are worth checking on a fit, as far as that was asked. */
 export function createStrip<More extends StripShown & { readonly isStarting: boolean }>(stances: StancesActions, pointsOf: (state: More, fit: string) => number): Panel<{ readonly thumbs: string; readonly isBusy: boolean }, More> {

@@ -2,18 +2,19 @@
 // language is another set of these files.  Names and definitions of landmarks, shapes and drawings come from the model,
 // notes and reasons from the service.
 
+import { word } from "../languages/words";
+
 export const name = "BreastRig";
-export const notice = "Research use only. Not a medical device.";
+export const notice = word("ui.notice");
 export const noticeLong =
-  "Research use only. Not a medical device; not for diagnosis, treatment or surgical decisions. " +
-  "Measurements carry scanner and fitting error.";
-export const dismiss = "Dismiss";
-export const close = "Close";
+  word("ui.noticeLong");
+export const dismiss = word("ui.dismiss");
+export const close = word("ui.close");
 
 export const numberField = {
-  units: { mm: "mm", cm: "cm", deg: "°", h: "o'clock" } as Record<string, string>,
-  unclear: (label: string, written: string) => `${label}: “${written}” can be read in two ways. Write it with one comma or point, for the decimals.`,
-  none: (label: string, written: string, isHour: boolean) => `${label}: “${written}” is no number. Write ${isHour ? "an hour, for instance 10:30 or 10.5" : "one, for instance 4.5 or 4,5"}.`,
-  needed: (label: string) => `${label} needs a number.`,
-  outside: (label: string, min: number | null, max: number | null, unit: string) => `${label} must lie between ${min ?? "−∞"} and ${max ?? "∞"}${unit === "mm" || unit === "cm" ? ` ${unit}` : unit === "deg" ? "°" : unit === "h" ? " o'clock" : ""}.`,
+  units: { mm: "mm", cm: "cm", deg: "°", h: word("ui.numberField.units.h") } as Record<string, string>,
+  unclear: (label: string, written: string) => word("ui.numberField.unclear", { label, written }),
+  none: (label: string, written: string, isHour: boolean) => word(isHour ? "ui.numberField.noHour" : "ui.numberField.none", { label, written }),
+  needed: (label: string) => word("ui.numberField.needed", { label }),
+  outside: (label: string, min: number | null, max: number | null, unit: string) => word(unit === "h" ? "ui.numberField.outsideHours" : "ui.numberField.outside", { label, min: min ?? "−∞", max: max ?? "∞", unit: unit === "mm" || unit === "cm" ? ` ${unit}` : unit === "deg" ? "°" : "" }),
 };

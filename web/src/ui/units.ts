@@ -1,5 +1,6 @@
 // The only place where metres become millimetres, and numbers become text.
 import type { Unit } from "../api/types";
+import { locale } from "../languages/words";
 
 const MM_IN: Record<Unit, number> = { m: 1000, dm: 100, cm: 10, mm: 1, in: 25.4, ft: 304.8 };
 
@@ -12,31 +13,44 @@ export const isUnit = (text: unknown): text is Unit => typeof text === "string" 
 /** Of a file that names none of these. */
 export const unknownUnit = (unit: unknown): string => `The unit “${typeof unit === "string" ? unit : JSON.stringify(unit)}” is not known: use m, dm, cm, mm, in or ft.`;
 
-const grouped = new Intl.NumberFormat("en-GB");
+const formats = new Map<string, Intl.NumberFormat>();
 
-/** 61784 → "61,784". */
-export const formatCount = (count: number): string => grouped.format(count);
+function format(value: number, most: number, least: number, isGrouped = false): string {
+  const key = `${locale()} ${most} ${least} ${isGrouped}`;
+  const made = formats.get(key) ?? new Intl.NumberFormat(locale(), { maximumFractionDigits: most, minimumFractionDigits: least, useGrouping: isGrouped });
+  formats.set(key, made);
+  return made.format(value);
+}
+
+/** With exactly so many decimals, as the language writes them. */
+export const formatFixed = (value: number, digits: number): string => format(value, digits, digits);
+
+/** With as many decimals as it has, at most so many. */
+export const formatUpTo = (value: number, digits: number): string => format(value, digits, 0);
+
+/** 61784 → "61,784", in German "61.784". */
+export const formatCount = (count: number): string => format(count, 0, 0, true);
 
 const UNKNOWN = "–";
 
 /** Millimetres to one decimal, the most that the scanner and the fit are worth; hundredths below a tenth. */
 export function formatMm(mm: number | null | undefined): string {
   if (mm === null || mm === undefined) return UNKNOWN;
-  return mm !== 0 && Math.abs(mm) < 0.1 ? mm.toFixed(2) : mm.toFixed(1);
+  return formatFixed(mm, mm !== 0 && Math.abs(mm) < 0.1 ? 2 : 1);
 }
 
 /** −1.2, 0.0, +0.3: with the sign that says on which side. */
 export function formatSignedMm(mm: number): string {
-  const digits = Math.abs(mm).toFixed(1);
-  return digits === "0.0" ? digits : `${mm < 0 ? "\u2212" : "+"}${digits}`;
+  const isZero = Math.abs(mm) < 0.05;
+  return `${isZero ? "" : mm < 0 ? "\u2212" : "+"}${formatFixed(isZero ? 0 : Math.abs(mm), 1)}`;
 }
 
-export const formatMmWhole = (mm: number): string => mm.toFixed(0);
+export const formatMmWhole = (mm: number): string => formatFixed(mm, 0);
 
 export function formatSeconds(seconds: number | undefined): string {
   if (seconds === undefined) return UNKNOWN;
-  return seconds < 10 ? seconds.toFixed(2) : seconds.toFixed(1);
+  return formatFixed(seconds, seconds < 10 ? 2 : 1);
 }
-export const formatPercent = (share: number): string => (100 * share).toFixed(0);
-export const formatCm = (metres: number): string => (metres * 100).toFixed(0);
-export const formatMegabytes = (bytes: number): string => (bytes / 2 ** 20).toFixed(0);
+export const formatPercent = (share: number): string => formatFixed(100 * share, 0);
+export const formatCm = (metres: number): string => formatFixed(metres * 100, 0);
+export const formatMegabytes = (bytes: number): string => formatFixed(bytes / 2 ** 20, 0);

@@ -6,14 +6,13 @@ import { levelOf } from "../../fit/verdict";
 import { isSizeLast, isSizeNext } from "../../landmarks/size/ruler";
 import { size } from "../../landmarks/size/text";
 import { picksSaid } from "../../landmarks/text";
-import { dayName } from "../../stances/Strip";
+import { dayName, isToday } from "../../stances/Strip";
 import type { Step, Theme } from "../../store/page";
 import { only } from "../../store/store";
 import { button, iconButton } from "../../ui/controls";
 import { el, icon, setText, show } from "../../ui/dom";
 import { createMenu, menuItem } from "../../ui/menu";
 import type { Panel } from "../../ui/Panel";
-import { plural } from "../../ui/plural";
 import { name } from "../../ui/text";
 import type { Actions } from "../actions";
 import { isPlanned } from "../nextStep";
@@ -42,7 +41,7 @@ function scansSaid(created: readonly string[]): string {
   const newest = [...created].sort().at(-1);
   if (newest === undefined) return "";
   const day = new Date(newest);
-  return words.scans(plural(created.filter((at) => new Date(at).toDateString() === day.toDateString()).length, "scan", "scans"), dayName(day, new Date()));
+  return words.scans(created.filter((at) => new Date(at).toDateString() === day.toDateString()).length, isToday(day, new Date()) ? null : dayName(day, new Date()));
 }
 
 export function createTopBar(actions: Actions): Panel<Shown> {

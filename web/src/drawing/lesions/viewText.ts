@@ -1,31 +1,33 @@
 // The sentences of LesionView.ts, which come with it.
+import { word } from "../../languages/words";
+import { formatMmWhole } from "../../ui/units";
 import { drawing } from "../text";
 
 export const lesionView = {
-  to: ({ kind, to, seen }: { kind: string; to: string; seen?: boolean }) => ({ nipple: "To the nipple", chest_wall: `To the chest wall${seen ? " of the image" : ""}`, line: `To ${drawing.shapeName(to)}` })[kind] ?? to,
-  banded: ({ mm, low_mm: low, high_mm: high }: { mm: number; low_mm: number | null; high_mm: number | null }) => `${mm.toFixed(0)}\u00a0mm${low === null || high === null ? "" : `, ${low.toFixed(0)} to ${high.toFixed(0)}`}`,
-  place: "Its place",
-  clock: "By the clock",
+  to: ({ kind, to, seen }: { kind: string; to: string; seen?: boolean }) => ({ nipple: word("drawing.lesions.lesionView.toNipple"), chest_wall: word(seen ? "drawing.lesions.lesionView.toWallSeen" : "drawing.lesions.lesionView.toWall"), line: word("drawing.lesions.lesionView.toLine", { line: drawing.shapeName(to) }) })[kind] ?? to,
+  banded: ({ mm, low_mm: low, high_mm: high }: { mm: number; low_mm: number | null; high_mm: number | null }) => (low === null || high === null ? word("drawing.lesions.lesionView.plain", { mm: formatMmWhole(mm) }) : word("drawing.lesions.lesionView.banded", { mm: formatMmWhole(mm), low: formatMmWhole(low), high: formatMmWhole(high) })),
+  place: word("drawing.lesions.lesionView.place"),
+  clock: word("drawing.lesions.lesionView.clock"),
   byClock: (text: string) => text.replace(/ from the nipple$/, ""), // which stands above it
-  name: "Name",
-  radiology: "What radiology wrote",
-  radiologyHint: "left, 2 o'clock, 45 mm",
-  placed: ({ carried, error_mm: error }: { carried: boolean; error_mm: number | null }) => [...(carried ? ["carried"] : []), error === 0 ? "as given" : error === null ? "how far off is not known" : `±\u00a0${error.toFixed(0)}\u00a0mm`].join(", "),
-  unseen: "The scan shows no skin there: how deep it lies is the model's guess.",
-  skin: "skin",
-  wall: (isSeen: boolean) => `chest wall, ${isSeen ? "from the image" : "estimated"}`,
+  name: word("drawing.lesions.lesionView.name"),
+  radiology: word("drawing.lesions.lesionView.radiology"),
+  radiologyHint: word("drawing.lesions.lesionView.radiologyHint"),
+  placed: ({ carried, error_mm: error }: { carried: boolean; error_mm: number | null }) => [...(carried ? [word("drawing.lesions.lesionView.carried")] : []), error === 0 ? word("drawing.lesions.lesionView.asGiven") : error === null ? word("drawing.lesions.lesionView.errorUnknown") : `±\u00a0${formatMmWhole(error)}\u00a0mm`].join(", "),
+  unseen: word("drawing.lesions.lesionView.unseen"),
+  skin: word("drawing.lesions.lesionView.skin"),
+  wall: (isSeen: boolean) => word(isSeen ? "drawing.lesions.lesionView.wallSeen" : "drawing.lesions.lesionView.wall"),
   depth(depth: number, { mm, low_mm: low, high_mm: high }: { mm: number; low_mm: number | null; high_mm: number | null }) {
-    const number = `${mm.toFixed(0)}\u00a0mm`;
-    const band = low === null || high === null ? "" : `90\u00a0%: ${low.toFixed(0)}–${high.toFixed(0)}\u00a0mm`;
-    const where = `${number} ${depth < 0 ? "outside" : "below"} the skin`;
+    const number = `${formatMmWhole(mm)}\u00a0mm`;
+    const band = low === null || high === null ? "" : `90\u00a0%: ${formatMmWhole(low)}–${formatMmWhole(high)}\u00a0mm`;
+    const where = word(depth < 0 ? "drawing.lesions.lesionView.outside" : "drawing.lesions.lesionView.below", { number });
     return { mm: number, band, whole: band === "" ? where : `${where} (${band})` };
   },
-  planes: { axial: "Axial", sagittal: "Sagittal", coronal: "Coronal" } as const,
-  sides: { axial: "front up, patient's left right", sagittal: "head up, back right", coronal: "head up, patient's left right" } as const,
-  slice: (plane: string, name: string) => `${plane} slice through ${name}`,
-  slicesHint: "The fitted skin, 20\u00a0cm across; dashed the chest wall, estimated where the image does not show it; pale where the lesion may lie, nine times in ten.",
-  noSlices: "No slices: this link shows the model alone, and no skin of the patient.",
-  straight: "From its centre, straight.",
-  moves: "While it is moved, dragging and arrow keys in the slices take it along.",
-  moveIt: (name: string) => `Move ${name}`,
+  planes: { axial: word("drawing.lesions.lesionView.planes.axial"), sagittal: word("drawing.lesions.lesionView.planes.sagittal"), coronal: word("drawing.lesions.lesionView.planes.coronal") } as const,
+  sides: { axial: word("drawing.lesions.lesionView.sides.axial"), sagittal: word("drawing.lesions.lesionView.sides.sagittal"), coronal: word("drawing.lesions.lesionView.sides.coronal") } as const,
+  slice: (plane: string, name: string) => word("drawing.lesions.lesionView.slice", { plane, name }),
+  slicesHint: word("drawing.lesions.lesionView.slicesHint"),
+  noSlices: word("drawing.lesions.lesionView.noSlices"),
+  straight: word("drawing.lesions.lesionView.straight"),
+  moves: word("drawing.lesions.lesionView.moves"),
+  moveIt: (name: string) => word("drawing.lesions.lesionView.moveIt", { name }),
 };

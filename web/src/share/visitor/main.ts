@@ -1,4 +1,5 @@
 // The read-only page behind a share link: the body with its drawing, the numbers, the files; a passcode first where there is one.
+import { locale } from "../../languages/words";
 import "../../style.css";
 import * as text from "../text";
 import { ApiError } from "../../api/client";
@@ -37,7 +38,7 @@ const closings = new BroadcastChannel("breastrig-closed"); // the same result in
 closings.onmessage = ({ data }: MessageEvent<unknown>) => {
   if (data === opened?.id) location.replace(`/s${CLOSED}`);
 };
-const moment = new Intl.DateTimeFormat("en-GB", { dateStyle: "long", timeStyle: "short" });
+const moment = new Intl.DateTimeFormat(locale(), { dateStyle: "long", timeStyle: "short" });
 
 const canvas = el("canvas", { class: "view", role: "img", "aria-label": viewText.shared, tabindex: 0 });
 const overlay = el("div", { class: "overlay", "aria-hidden": "true" });
