@@ -329,7 +329,7 @@ STEPS: Mapping[str, tuple[str, str]] = {  # of a case: its routes (the first ste
     "predict": ("/predictions", "predict"),
     "report": (
         "/measures.json|/report|/template|/guide",
-        "measure Measure Number write_report write_template write_dicom",
+        "measure Measure Number write_report write_template write_dicom send_dicom",
     ),
     "result": (
         "/result|/fitted|/distances|/uncertainty|/volume|/fits/{fit_id}/drawing.json",

@@ -25,10 +25,11 @@ if TYPE_CHECKING:
         BadSettings,
         BreastRigError,
         FitFailed,
+        NotSent,
         TooLarge,
     )
     from breastrig.rig.named_parameters import BonePose, Parameters
-    from breastrig.use.archive.dicom import write_dicom
+    from breastrig.use.archive.dicom import send_dicom, write_dicom
     from breastrig.use.cases.case import Case, CaseFit, CaseScan
     from breastrig.use.draw import draw, project
     from breastrig.use.example import Example, example
@@ -76,6 +77,7 @@ __all__ = [
     "Line",
     "LineChecks",
     "Measure",
+    "NotSent",
     "Number",
     "Parameters",
     "Posterior",
@@ -100,6 +102,7 @@ __all__ = [
     "propose_landmarks",
     "propose_marks",
     "read_scan",
+    "send_dicom",
     "transfer",
     "volume_mesh",
     "write_dicom",
@@ -108,8 +111,10 @@ __all__ = [
 ]
 
 _MODULES = {
-    "core.errors": ("BadDrawing BadInput BadLandmarks BadModel BadScan BadSettings BreastRigError FitFailed TooLarge"),
-    "use.archive.dicom": "write_dicom",
+    "core.errors": (
+        "BadDrawing BadInput BadLandmarks BadModel BadScan BadSettings BreastRigError FitFailed NotSent TooLarge"
+    ),
+    "use.archive.dicom": "send_dicom write_dicom",
     "use.cases.case": "Case CaseFit CaseScan",
     "use.draw": "draw project",
     "use.values.drawing": "Drawing Lesion Line",

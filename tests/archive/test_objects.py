@@ -19,6 +19,7 @@ from pydicom.dataset import Dataset
 
 import breastrig
 from breastrig.archive.identities import patient_of
+from breastrig.cli.main import main
 from breastrig.core.errors import BadInput
 from breastrig.rig.model import Rig
 from breastrig.scan.volumes.label_map import FRAME
@@ -52,7 +53,7 @@ def written(fit: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
         coarse_pictures(patch)
         breastrig.write_dicom(fit, out / "named", identities=out / "ids.csv")
         breastrig.write_dicom(fit, out / "again", identities=out / "ids.csv")
-        breastrig.write_dicom(fit, out / "coded")
+        assert main(["dicom", str(fit), "-o", str(out / "coded")]) == 0
     return out
 
 

@@ -92,6 +92,14 @@ LISTED = {  # why they are not run here, or the test that runs them
     "tests/cli/test_report_command.py": [
         "breastrig report supine/ --with standing/ --plan plan.json -o report/",
     ],
+    "tests/archive/test_objects.py": [
+        "breastrig dicom out/ -o dicom/",
+        "breastrig dicom out/ -o dicom/ --identities codes.csv",
+    ],
+    "tests/archive/test_send.py": [
+        "breastrig dicom out/ --send ARCHIVE@pacs.hospital.example:11112 --identities codes.csv",
+        "breastrig dicom out/ --stow https://pacs.hospital.example/dicom-web --authorization token",
+    ],
     "tests/report/test_template.py": [
         "breastrig template supine/ -o template.pdf",
         "breastrig template supine/ --side L -o guide.stl",
@@ -165,6 +173,7 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig fit",
         "breastrig fit --length A B MM",
         "breastrig report",
+        "breastrig dicom",
         "breastrig template",
         "breastrig volume",
     ],

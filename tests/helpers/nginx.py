@@ -45,7 +45,7 @@ def in_front_of(port: int, readme: str, authority: trustme.CA) -> Iterator[int]:
     name = re.search(r"server_name (\S+);", found[1])
     assert name
     with tempfile.TemporaryDirectory(prefix="nginx-", dir="/tmp") as place:
-        folder, own_port = Path(place), _free_port()
+        folder, own_port = Path(place), free_port()
         certificate = authority.issue_cert(name[1])
         certificate.private_key_pem.write_to_path(str(folder / "key"))
         certificate.cert_chain_pems[0].write_to_path(str(folder / "certificate"))
@@ -78,7 +78,7 @@ def in_front_of(port: int, readme: str, authority: trustme.CA) -> Iterator[int]:
             process.wait(timeout=PATIENCE_S)
 
 
-def _free_port() -> int:
+def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port: int = probe.getsockname()[1]

@@ -46,7 +46,8 @@ def test_every_name_is_found_listed_and_loaded_once() -> None:
 
 def test_every_function_says_shapes_units_and_errors() -> None:
     functions = {name: value for name in breastrig.__all__ if inspect.isfunction(value := getattr(breastrig, name))}
-    assert set(functions) == PLACES | {"load_model", "measure", "write_report", "write_template", "write_dicom"}
+    others = {"load_model", "measure", "write_report", "write_template", "write_dicom", "send_dicom"}
+    assert set(functions) == PLACES | others
     for name, function in functions.items():
         said = inspect.getdoc(function) or ""
         assert "frame" in said or "mm" in said, name
@@ -59,7 +60,7 @@ def test_every_function_says_shapes_units_and_errors() -> None:
 def test_every_error_that_a_fit_can_raise_is_one_of_ours() -> None:
     errors = [value for name in breastrig.__all__ if inspect.isclass(value := getattr(breastrig, name))]
     errors = [each for each in errors if issubclass(each, Exception)]
-    assert len(errors) == 9
+    assert len(errors) == 10
     assert all(issubclass(each, BreastRigError) for each in errors)
     with pytest.raises(breastrig.BadInput, match=r"There is no scan file nothing\.ply"):
         breastrig.fit("nothing.ply")

@@ -32,6 +32,7 @@ STATUS: tuple[tuple[type[errors.BreastRigError], int], ...] = (  # the first tha
     (errors.TooMany, 429),
     (errors.BadModel, 503),  # the model is the service's own, the caller cannot mend it
     (errors.NotRemoved, 500),  # what was asked for has not been done, and only who runs the service can help
+    (errors.NotSent, 502),
     (errors.BreastRigError, 422),
 )
 SENTENCES = {

@@ -19,6 +19,7 @@ COMMANDS = {
     "template": "the plan in true size on paper, to lay on the skin",
     "protocol": "a page to print for taking scans with marks",
     "export": "drawing and closed surface for other programs",
+    "dicom": "a fit as DICOM objects, for a hospital's archive",
     "volume": "tetrahedra of the fitted body for finite elements",
     "landmarks": "propose the landmarks on one scan",
     "ink": "find lines that were drawn on the skin of one scan",

@@ -14,6 +14,7 @@
     │   ├── TooLarge             over a stated limit
     │   └── TooMany              too much at once; it works later
     ├── FitFailed                the input was fine, the registration was not
+    ├── NotSent                  an archive did not store all that was sent to it
     └── NotRemoved               a scan was deleted, and files of it are left
 
 Each message is one sentence for a person: what is wrong, then what to do.  Only `api` and `cli` turn
@@ -129,6 +130,10 @@ class TooMany(BadInput):
 
 class FitFailed(BreastRigError):
     """The registration ended without a usable result; the message names the reason."""
+
+
+class NotSent(BreastRigError):
+    """An archive did not store all objects; the message says which, and why."""
 
 
 class NotRemoved(BreastRigError):

@@ -1,9 +1,9 @@
-"""A fit as DICOM objects, for programs and the command line."""
+"""A fit as DICOM objects, written or sent: for programs and the command line."""
 
-from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput
@@ -11,7 +11,7 @@ from breastrig.core.one_thread import one_thread
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing
 from breastrig.core.private_files import write_files
 from breastrig.files.result import FIT_FILES, read_result
-from breastrig.use.archive.objects import dicom_files, objects_of
+from breastrig.use.archive.objects import MISSING, dicom_files, objects_of
 from breastrig.use.folder.earlier_fits import unchecked
 from breastrig.use.report import identity_of, plan_of
 from breastrig.use.reports.report import ReportJob
@@ -20,15 +20,19 @@ from breastrig.use.values.drawing import Drawing
 from breastrig.use.values.fit_result import Fit
 from breastrig.use.values.model import Model, files_of, loaded
 
+if TYPE_CHECKING:
+    from pydicom.dataset import Dataset
+
 RECORD = "dicom.json"
 SCHEMA = "breastrig/dicom@1"
+Plan = Drawing | Mapping[str, Any] | str | Path | None
 
 
 def write_dicom(
     fit: Fit | str | Path,
     folder: str | Path,
     *,
-    plan: Drawing | Mapping[str, Any] | str | Path | None = None,
+    plan: Plan = None,
     code: str = "",
     identities: str | Path | None = None,
     same_patient: bool = False,
@@ -54,13 +58,66 @@ def write_dicom(
     Raises:
         BadInput: With one sentence.
     """
+    names = (*(f"{name}.dcm" for name in ("report", "measures", "skin", "scan")), RECORD)
+    files = OutputSet(Path(), names, RECORD, SCHEMA, varying=True)
+    read = [Path(fit) / name for name in FIT_FILES] if isinstance(fit, str | Path) else []
+    read += [Path(each) for each in (plan, identities) if isinstance(each, str | Path)]
+    output = Output(Path(folder), (files,), (*read, *files_of(model)), force, asked_to_stop)
+    with all_or_nothing(output) as staging, _objects(fit, plan, code, identities, same_patient, model) as objects:
+        uids = {name: str(each.SOPInstanceUID) for name, each in objects.items()}
+        write_files(dicom_files(objects) | {RECORD: json_bytes({"schema": SCHEMA, "objects": uids})}, staging)
+
+
+def send_dicom(
+    fit: Fit | str | Path,
+    *,
+    plan: Plan = None,
+    code: str = "",
+    identities: str | Path | None = None,
+    same_patient: bool = False,
+    model: Model = None,
+    **archive: Any,
+) -> tuple[str, ...]:
+    """Sends the same objects (surfaces in mm) to an archive, as `breastrig dicom --send` and `--stow` do.
+
+    Args:
+        fit: The fit, or its folder; this and what follows as in `write_dicom`.
+        plan: Likewise.
+        code: Likewise.
+        identities: Likewise.
+        same_patient: Likewise.
+        model: Likewise.
+        archive: `dicom` ("AE@HOST:PORT", C-STORE) or `stow` (an address, STOW-RS); `calling` (our AE title), `tls`,
+            `ca`, `certificate`, `authorization` (files), `objects` (of report, measures, skin and scan).
+
+    Returns:
+        What the archive noted of objects that it stored, a sentence each.
+
+    Raises:
+        BadInput: With one sentence; before anything is sent.
+        NotSent: Which objects are stored and which are not, and why.
+    """
+    try:
+        from breastrig.archive.nodes import node
+        from breastrig.archive.send import send
+    except ModuleNotFoundError as error:
+        raise BadInput(MISSING) from error
+    to = node(**archive)
+    with _objects(fit, plan, code, identities, same_patient, model) as objects:
+        return send(objects, to)
+
+
+@contextmanager
+def _objects(
+    fit: Fit | str | Path,
+    plan: Plan,
+    code: str,
+    identities: str | Path | None,
+    same_patient: bool,
+    model: Model,
+) -> "Iterator[dict[str, Dataset]]":
     document = plan_of(plan)
-    with ExitStack() as stack:
-        here = stack.enter_context(folder_of(fit, FIT_FILES))
-        read = [Path(fit) / name for name in FIT_FILES] if isinstance(fit, str | Path) else []
-        read += [Path(each) for each in (plan, identities) if isinstance(each, str | Path)]
-        names = (*(f"{name}.dcm" for name in ("report", "measures", "skin", "scan")), RECORD)
-        files = OutputSet(Path(), names, RECORD, SCHEMA, varying=True)
+    with folder_of(fit, FIT_FILES) as here, one_thread():
         result = read_result(here)
         if not code and (result.patient is None or not result.patient.code):
             raise BadInput("This fit carries no code of a patient, which DICOM objects need; give one with --code.")
@@ -71,9 +128,5 @@ def write_dicom(
             identity=identity_of([result], code, document),
             doubts=unchecked([fit] if isinstance(fit, str | Path) else []),
         )
-        output = Output(Path(folder), (files,), (*read, *files_of(model)), force, asked_to_stop)
-        with one_thread(), all_or_nothing(output) as staging:
-            rig = fit.model if isinstance(fit, Fit) else loaded(model)
-            objects = objects_of(job, None if identities is None else Path(identities), rig)
-            uids = {name: str(each.SOPInstanceUID) for name, each in objects.items()}
-            write_files(dicom_files(objects) | {RECORD: json_bytes({"schema": SCHEMA, "objects": uids})}, staging)
+        rig = fit.model if isinstance(fit, Fit) else loaded(model)
+        yield objects_of(job, None if identities is None else Path(identities), rig)
