@@ -31,8 +31,8 @@ FULL = ("token", "cookie")
 SHARED = "/api/shared/<share_id>"
 OPEN = "/api/shared/open"
 OPEN_TO_ALL = {  # everything outside of /api: health, the sign-in page, the empty pages and their files
-    "/", "/healthz", "/metrics", "/readyz", "/s", "/s/<share_id>", "/s/share.js", "/sign-in", "/sign-in/style.css",
-    "/sign-out",
+    "/", "/healthz", "/metrics", "/readyz", "/s", "/s/<share_id>", "/s/share.js", "/sign-in", "/sign-in/callback",
+    "/sign-in/start", "/sign-in/style.css", "/sign-out",
 }  # fmt: skip
 SHOW_NOBODY = {  # the page and its description, the model: what browsers may keep
     "/", "/s/share.js", "/sign-in/style.css", "/api/docs", "/api/docs/style.css", "/api/openapi.json",
@@ -253,6 +253,8 @@ def expected(credential: str, call: Call) -> set[int]:
         return {401}
     if method == "DELETE":
         return {200} if rule.endswith("/length") else {204}
+    if rule == "/api/session":
+        return {204}
     if method != "GET":
         return (
             {200, 201, 202}

@@ -57,6 +57,10 @@ RUN = {  # in this order, each as the lines on the right; an empty list: as it s
     "breastrig purge": ["breastrig purge --all --data data"],
 }
 LISTED = {  # why they are not run here, or the test that runs them
+    "tests/api/access/test_provider.py": [
+        "breastrig serve --users users.toml",
+        "breastrig serve --users users.toml --trusted-proxy 127.0.0.1 --public-host scans.hospital.example",
+    ],
     "tests/cli/test_transfer_command.py": [
         "breastrig transfer --from standing/ --to supine/ --drawing plan.json -o there.json",
     ],

@@ -5,6 +5,8 @@ from typing import Any
 from apiflask import APIFlask
 from flask.json.provider import DefaultJSONProvider
 
+from breastrig.api.access.person import groups_in_reach
+from breastrig.api.access.provider import Provider
 from breastrig.api.access.security import register_security
 from breastrig.api.app_context import KEY, AppContext
 from breastrig.api.config import Config
@@ -23,6 +25,7 @@ from breastrig.api.routes.operations import operations
 from breastrig.api.routes.page import PageFile, page
 from breastrig.api.routes.patients import owners, patients, plans_of_fits
 from breastrig.api.routes.patterns import patterns
+from breastrig.api.routes.persons import persons
 from breastrig.api.routes.reports import reports
 from breastrig.api.routes.results import results
 from breastrig.api.routes.scans.of_scans import of_scans
@@ -42,7 +45,9 @@ def create_app(config: Config, service: Service) -> APIFlask:
     app = _bare_app()
     app.config["MAX_CONTENT_LENGTH"] = config.uploads.zip_bytes
     metrics = Metrics(service)
-    app.extensions[KEY] = AppContext(config, service, serve_model(config.model), metrics)
+    provider = Provider(app, config.people) if config.people is not None and config.people.issuer else None
+    app.extensions[KEY] = AppContext(config, service, serve_model(config.model), metrics, provider)
+    service.storage.groups_in_reach = groups_in_reach
     register_errors(app, service.storage)
     register_language(app)
     if config.log_requests:
@@ -87,6 +92,7 @@ def _bare_app() -> APIFlask:
         patients,
         owners,
         plans_of_fits,
+        persons,
         patterns,
         fits,
         fits_of_scans,

@@ -8,6 +8,7 @@ from typing import Any
 
 from flask import Response, current_app
 
+from breastrig.api.access.provider import Provider
 from breastrig.api.access.rate_limits import RateLimits
 from breastrig.api.big_answers import BigAnswers, big_answer
 from breastrig.api.config import Config
@@ -30,6 +31,7 @@ class AppContext:
     service: Service
     model: ServedModel
     metrics: Metrics
+    provider: Provider | None = None  # where people sign in
     rates: RateLimits = field(default_factory=RateLimits)
     passcode_delays: PasscodeDelays = field(default_factory=PasscodeDelays)
     big_answers: BigAnswers = field(default_factory=BigAnswers)

@@ -5,6 +5,7 @@ import secrets
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from breastrig.api.people.people import People
 from breastrig.api.trusted_proxy import TrustedProxy, plain_address
 from breastrig.core.errors import BadSettings
 from breastrig.execution.limits import UploadLimits
@@ -30,6 +31,7 @@ class Config:
     log_requests: bool = False
     streams: int = STREAMS  # open event streams
     trusted_proxy: TrustedProxy | None = None  # whose X-Forwarded-* are believed
+    people: People | None = None  # who may sign in; None: whoever has the token
     public_hosts: tuple[str, ...] = ()  # names that outsiders call this server by; none: any, when there is a token
 
     @property
@@ -57,9 +59,10 @@ def is_exposed(host: str, proxy: TrustedProxy | None) -> bool:
 
 
 def checked_token(
-    host: str, token: str | None, proxy: TrustedProxy | None = None, *, no_token: bool = False
+    host: str, token: str | None, proxy: TrustedProxy | None = None, *, no_token: bool = False, users: bool = False
 ) -> str | None:
-    """The token that callers must bring: the given one, or for callers on this machine a new one; None for `no_token`.
+    """The token that callers must bring: the given one, or for callers on this machine a new one; None for `no_token`,
+    and for `users`, who sign in.
 
     Raises BadSettings when it is too short, contradicts `no_token`, or others than this machine can call and none is
     given.
@@ -68,6 +71,12 @@ def checked_token(
         raise BadSettings(f"{TOKEN_VARIABLE} is too short; give it at least {TOKEN_LENGTH} random characters.")
     if token is not None and no_token:
         raise BadSettings(f"A token is given and --no-token says that there is none; leave out {TOKEN_VARIABLE} or it.")
+    if users and no_token:
+        raise BadSettings(
+            "--users says who may sign in and --no-token that everybody may do everything; leave out one."
+        )
+    if users:
+        return token
     if token is None and is_exposed(host, proxy):
         opening = f"Listening on {host}" if proxy is None else "Being asked through a proxy"
         other = ", or listen on 127.0.0.1" if proxy is None else ""

@@ -185,6 +185,11 @@ SETTINGS: dict[str, Setting] = {
         "NAME[,NAME]",
         show=lambda names: ",".join(names) or "any, where there is a token",
     ),
+    "users": Setting(
+        read_folder,
+        "file that says who may sign in, where, and in which groups (TOML); without it whoever has the token may all",
+        metavar="FILE",
+    ),
     "token_file": Setting(read_folder, f"file that holds the token, instead of {TOKEN_VARIABLE}", metavar="FILE"),
     "no_token": Setting(
         read_yes_or_no,

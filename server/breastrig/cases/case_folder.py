@@ -70,10 +70,10 @@ class CaseFolder:
         return CaseFolder(path)
 
     @staticmethod
-    def of_scan(path: Path, code: str, first: MadeScan) -> "CaseFolder":
+    def of_scan(path: Path, code: str, first: MadeScan, group: str | None = None) -> "CaseFolder":
         """A new case with its first scan, put in place together.  Raises OSError."""
         _complete(first)
-        with new_case(path, code) as folder:
+        with new_case(path, code, group) as folder:
             (folder / layout.SCANS).mkdir(mode=0o700)
             os.rename(first.folder, folder / scan_part(first.id))
             sync_folder(folder / layout.SCANS)
@@ -117,6 +117,11 @@ class CaseFolder:
             document = self.document().model_copy(update={"code": chosen})
             put(self.path, layout.CASE, content_of(document))
         return document
+
+    def give_to(self, group: str | None) -> None:
+        """The patient is owned by that group of people from then on, by None of them for None.  Raises NotFound."""
+        with self.writing():
+            put(self.path, layout.CASE, content_of(self.document().model_copy(update={"group": group})))
 
     def content(self, name: str) -> bytes | None:
         """A file of the case by its name inside it; None where there is none."""
@@ -200,13 +205,13 @@ class CaseFolder:
 
 
 @contextmanager
-def new_case(path: Path, code: str) -> Iterator[Path]:
+def new_case(path: Path, code: str, group: str | None = None) -> Iterator[Path]:
     """A folder that is the case of that place at the end of the block, with what was put into it.  Raises OSError."""
     path = path.absolute()
     root = data_folder_of(path)
     private_folder(path.parent)
     with coming(path.parent if root is None else root / layout.INCOMING) as folder:
-        put(folder, layout.CASE, content_of(CaseDocument(code=code, created_at=utc_now())))
+        put(folder, layout.CASE, content_of(CaseDocument(code=code, created_at=utc_now(), group=group)))
         put(folder, LOCK, b"")
         yield folder
         os.rename(folder, path)

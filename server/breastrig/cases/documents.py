@@ -26,6 +26,7 @@ class CaseDocument(Document):
     schema_: Literal["breastrig/case@1"] = Field(default="breastrig/case@1", alias="schema")
     code: str = Field(max_length=60)
     created_at: str = Field(description="ISO 8601, UTC")
+    group: str | None = Field(default=None, description="of people (`serve --users`) that owns the patient")
 
 
 class PlanDocument(Plan):

@@ -73,9 +73,12 @@ def move_scan(
 
 
 def move_to_new(source: CaseFolder, scan_id: str, path: Path, code: str) -> CaseFolder:
-    """The scan is of a new case of that code from then on, as `move_scan`.  Raises likewise, and OSError."""
+    """The scan is of a new case of that code and of the same group from then on, as `move_scan`.
+
+    Raises likewise, and OSError.
+    """
     with ExitStack() as stack:
-        with new_case(path, code) as folder:
+        with new_case(path, code, source.document().group) as folder:
             put(folder, layout.NEW, b"")
             stack.enter_context(locked(folder))  # nobody else writes there until the scan has come
         target = CaseFolder(path)

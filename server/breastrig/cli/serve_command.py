@@ -16,10 +16,12 @@ from types import FrameType
 
 from breastrig.api.app import create_app
 from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
+from breastrig.api.people.people import read_people
 from breastrig.api.settings import token_source
 from breastrig.api.web_server import Server, ServerLimits
 from breastrig.cli.interruption import NUMBERS, raise_if_asked
 from breastrig.cli.options.service_options import add_service_options, service_settings
+from breastrig.core.errors import BadSettings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.core.notice import RESEARCH_USE_ONLY
 from breastrig.execution.executor import Executor
@@ -43,9 +45,19 @@ def run(options: argparse.Namespace) -> int:
     set_up_logs(setting["log"])
     given, token_from = token_source(found)
     os.environ.pop(TOKEN_VARIABLE, None)  # it is known now; processes that are started later are not to inherit it
+    people = None if setting["users"] is None else read_people(setting["users"])
+    if people is not None and people.proxy_header is not None and setting["trusted_proxy"] is None:
+        raise BadSettings("proxy_header believes what a proxy says; name its address with --trusted-proxy.")
     config = Config(
         host=setting["host"],
-        token=checked_token(setting["host"], given, setting["trusted_proxy"], no_token=setting["no_token"]),
+        token=checked_token(
+            setting["host"],
+            given,
+            setting["trusted_proxy"],
+            no_token=setting["no_token"],
+            users=people is not None,
+        ),
+        people=people,
         trusted_proxy=setting["trusted_proxy"],
         public_hosts=setting["public_host"],
         model=setting["model"],
@@ -79,7 +91,10 @@ def run(options: argparse.Namespace) -> int:
             raise_if_asked()  # someone may have swallowed an interruption while the service started
             shown = f"[{config.host}]" if ":" in config.host else config.host
             address = f"http://{shown}:{server.effective_port}/"
-            if given is None and config.token is not None:
+            if people is not None:
+                access = f"People sign in at {people.issuer or 'the proxy'}."
+                access += "" if given is None else f" Scripts send the token ({token_from}) as a bearer."
+            elif given is None and config.token is not None:
                 address += f"?token={config.token}"
                 access = "This address lets a browser in; scripts send the token in it as a bearer. Give it to nobody."
             elif config.token is not None:

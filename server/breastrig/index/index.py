@@ -367,10 +367,11 @@ def _put(rows: sqlite3.Connection, read: CaseRows) -> None:
     """The rows of one case in place of those that are there; fits that are there keep their places."""
     case_id = read.case[0]
     rows.execute(
-        "INSERT INTO cases (id, code, code_key, code_search, created_at, first_scan, plan, planned, stamp) "
-        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET code = excluded.code, "
+        "INSERT INTO cases (id, code, code_key, code_search, created_at, first_scan, plan, planned, owner, stamp) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET code = excluded.code, "
         "code_key = excluded.code_key, code_search = excluded.code_search, created_at = excluded.created_at, "
-        "first_scan = excluded.first_scan, plan = excluded.plan, planned = excluded.planned, stamp = excluded.stamp",
+        "first_scan = excluded.first_scan, plan = excluded.plan, planned = excluded.planned, owner = excluded.owner, "
+        "stamp = excluded.stamp",
         read.case,
     )
     for table in ("scans", "links"):

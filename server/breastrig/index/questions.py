@@ -11,6 +11,7 @@ from typing import Literal
 from breastrig.core.identity import random_code
 
 Sort = Literal["newest", "code", "deletion"]  # deletion: the first of its scans came first
+Groups = Collection[str] | None  # whose patients are asked for; None: all
 KEYS: dict[str, str] = {"newest": "''", "code": "code_key", "deletion": "first_scan"}
 
 
@@ -21,6 +22,7 @@ class CaseRow:
     created_at: str
     plan: int  # version; 0: there is none yet
     planned: str  # JSON, see read_case.planned_in_short
+    group: str | None  # of people, that owns the patient
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,12 @@ def case_of_fit(rows: sqlite3.Connection, fit_id: str) -> tuple[str, str] | None
 
 
 def cases_page(
-    rows: sqlite3.Connection, limit: int, last: tuple[str, int] | None = None, search: str = "", sort: Sort = "newest"
+    rows: sqlite3.Connection,
+    limit: int,
+    last: tuple[str, int] | None = None,
+    search: str = "",
+    sort: Sort = "newest",
+    groups: Groups = None,
 ) -> tuple[list[CaseRow], tuple[str, int] | None]:
     """Cases in that order, and the key and place behind which the next page goes on (None: nowhere).
 
@@ -80,6 +87,9 @@ def cases_page(
     """
     key = KEYS[sort]
     wanted, given = ["1"], list[object]()
+    if groups is not None:
+        wanted.append(f"owner IN ({_marks(groups)})")
+        given += groups
     if search:
         wanted.append("instr(code_search, ?)")
         given.append(search.casefold())
@@ -91,12 +101,12 @@ def cases_page(
         given += [last[0], last[0], last[1]]
     order = "place DESC" if sort == "newest" else f"{key}, place DESC"
     found = rows.execute(
-        f"SELECT id, code, created_at, plan, planned, {key}, place FROM cases WHERE {' AND '.join(wanted)} "
+        f"SELECT id, code, created_at, plan, planned, owner, {key}, place FROM cases WHERE {' AND '.join(wanted)} "
         f"ORDER BY {order} LIMIT ?",
         (*given, limit + 1),
     ).fetchall()
-    more = (found[limit - 1][5], found[limit - 1][6]) if len(found) > limit else None
-    return [CaseRow(*row[:5]) for row in found[:limit]], more
+    more = (found[limit - 1][6], found[limit - 1][7]) if len(found) > limit else None
+    return [CaseRow(*row[:6]) for row in found[:limit]], more
 
 
 def stamps(rows: sqlite3.Connection, cases: Collection[str]) -> dict[str, int]:
@@ -116,23 +126,26 @@ def listed_cases(rows: sqlite3.Connection, cases: Collection[str]) -> list[Liste
     for case, scan, came, proposed, kind, fit_id, *of_fit in rows.execute(chosen, tuple(cases)):
         fit = None if fit_id is None else ListedFit(fit_id, *of_fit)
         scans[case].append(ListedScan(scan, came, proposed, kind, fit))
-    chosen = f"SELECT id, code, created_at, plan, planned FROM cases WHERE id IN ({_marks(cases)})"
+    chosen = f"SELECT id, code, created_at, plan, planned, owner FROM cases WHERE id IN ({_marks(cases)})"
     known = rows.execute(chosen, tuple(cases))
     found = {
-        case: ListedCase(case, code, made, plan, planned, tuple(scans[case]))
-        for case, code, made, plan, planned in known
+        case: ListedCase(case, code, made, plan, planned, owner, tuple(scans[case]))
+        for case, code, made, plan, planned, owner in known
     }
     return [found[case] for case in cases if case in found]
 
 
 def scans_page(
-    rows: sqlite3.Connection, limit: int, last: tuple[str, str] | None = None
+    rows: sqlite3.Connection, limit: int, last: tuple[str, str] | None = None, groups: Groups = None
 ) -> tuple[list[str], tuple[str, str] | None]:
     """Scans after the `last` one's time and id, the newest first, and where the next page goes on (None: nowhere)."""
-    behind = "" if last is None else "WHERE (created_at, id) < (?, ?) "
+    wanted, given = _of_groups(groups)
+    if last is not None:
+        wanted.append("(created_at, id) < (?, ?)")
+        given += last
     found = rows.execute(
-        f"SELECT id, created_at FROM scans {behind}ORDER BY created_at DESC, id DESC LIMIT ?",
-        (*(last or ()), limit + 1),
+        f"SELECT id, created_at FROM scans WHERE {' AND '.join(wanted)} ORDER BY created_at DESC, id DESC LIMIT ?",
+        (*given, limit + 1),
     ).fetchall()
     more = (found[limit - 1][1], found[limit - 1][0]) if len(found) > limit else None
     return [row[0] for row in found[:limit]], more
@@ -189,10 +202,10 @@ def fits_in_state(rows: sqlite3.Connection, state: str) -> list[str]:
 
 
 def fits_page(
-    rows: sqlite3.Connection, limit: int, before: int | None = None, scan: str | None = None
+    rows: sqlite3.Connection, limit: int, before: int | None = None, scan: str | None = None, groups: Groups = None
 ) -> tuple[list[str], int | None]:
     """Fits, or those of a scan, the newest first, and the place where the next page goes on (None: nowhere)."""
-    wanted, given = ["1"], list[object]()
+    wanted, given = _of_groups(groups)
     for condition, value in (("place < ?", before), ("scan = ?", scan)):
         if value is not None:
             wanted.append(condition)
@@ -324,6 +337,13 @@ def is_session_over(rows: sqlite3.Connection, id_sha256: str, began_at: str) -> 
 def _one(rows: sqlite3.Connection, question: str, given: str) -> str | None:
     found = rows.execute(question, (given,)).fetchone()
     return None if found is None else str(found[0])
+
+
+def _of_groups(groups: Groups) -> tuple[list[str], list[object]]:
+    """Conditions for what is of patients of these groups, and what is given to them."""
+    if groups is None:
+        return ["1"], []
+    return [f"patient IN (SELECT id FROM cases WHERE owner IN ({_marks(groups)}))"], list(groups)
 
 
 def _marks(values: Collection[object]) -> str:

@@ -51,7 +51,7 @@ def read_case(case: CaseFolder) -> CaseRows:
     plan = stored_plan(case)
     planned = json.dumps(planned_in_short(plan.items))
     return CaseRows(
-        (case.id, *names, document.created_at, first, plan.version, planned, stamp),
+        (case.id, *names, document.created_at, first, plan.version, planned, document.group, stamp),
         tuple(_scan_row(case, one) for one in scans),
         tuple(fits),
         tuple(links),

@@ -5,7 +5,7 @@ offline), when links were opened, sessions that were ended, and the order of fit
 Another VERSION means another form: the three tables are copied if they can be read, the rest is made again.
 """
 
-VERSION = 4
+VERSION = 5
 OF_FOLDERS = ("cases", "scans", "fits", "links")
 ONLY_HERE = ("link_secrets", "openings", "ended_sessions")
 
@@ -21,10 +21,12 @@ CREATE TABLE cases (
     first_scan TEXT NOT NULL,     -- when the first of its scans came; empty without any
     plan INTEGER NOT NULL,        -- version
     planned TEXT NOT NULL,        -- what is planned, in short, JSON
+    owner TEXT,                   -- the group that owns the patient
     stamp INTEGER NOT NULL        -- of the folder that was read, ns
 );
 CREATE INDEX cases_by_code ON cases (code_key, place DESC);
 CREATE INDEX cases_by_deletion ON cases (first_scan, place DESC);
+CREATE INDEX cases_of_owner ON cases (owner, place DESC);
 CREATE TABLE scans (
     id TEXT PRIMARY KEY,
     patient TEXT NOT NULL,

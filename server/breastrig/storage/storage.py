@@ -11,7 +11,7 @@ import os
 import sqlite3
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -54,6 +54,7 @@ class Storage:
         self.index = Index(root)
         self.files = Folders(root, self.index)
         self.asking = threading.Lock()  # of fits
+        self.groups_in_reach: Callable[[], Collection[str] | None] = lambda: None  # of whoever asks; None: all patients
         self._forget_again = False
 
     def new_code(self) -> str:
@@ -121,17 +122,21 @@ class Storage:
         )
 
     def case(self, case_id: str) -> CaseFolder:
-        """The case of that id. Raises NotFound."""
+        """The case of that id. Raises NotFound, also for one that is not in the reach of whoever asks."""
         if not layout.ID.fullmatch(case_id):
             raise NotFound(NONE_HERE)
         try:
-            return CaseFolder(self.root / layout.CASES / case_id)
+            case = CaseFolder(self.root / layout.CASES / case_id)
         except NotFound as error:
             raise NotFound(NONE_HERE) from error
+        groups = self.groups_in_reach()
+        if groups is not None and case.document().group not in groups:
+            raise NotFound(NONE_HERE)
+        return case
 
-    def new_case(self, first: MadeScan) -> CaseFolder:
-        """A case with its first scan, under a new random code.  Raises OSError."""
-        return CaseFolder.of_scan(self.new_place(), self.new_code(), first)
+    def new_case(self, first: MadeScan, group: str | None = None) -> CaseFolder:
+        """A case with its first scan, under a new random code, that the group owns.  Raises OSError."""
+        return CaseFolder.of_scan(self.new_place(), self.new_code(), first, group)
 
     def new_place(self) -> Path:
         """The folder of a case that is to be made."""

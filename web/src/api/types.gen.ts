@@ -17,6 +17,19 @@ export type Bounds = {
   max: [number, number, number];
 };
 
+/** Who asks. */
+export type Caller = {
+  name: string;
+  /** each may do what those before it may */
+  role: Role;
+  /** one of which is to own a new patient */
+  groups: string[];
+  /** to which a patient can be given; empty for who is no administrator */
+  all_groups: string[];
+  /** after which the session ends unless it is kept; null: by the proxy */
+  idle_minutes: number | null;
+};
+
 export type Cancelled = {
   kind?: "cancelled";
   reason?: string;
@@ -359,6 +372,11 @@ export type GivenDrawing = {
   /** sha256 of the scan that it was made on */
   scan_sha256?: string | null;
   shapes: GivenShape[];
+};
+
+export type GivenGroup = {
+  /** null: none, so that administrators alone see the patient */
+  group: string | null;
 };
 
 /** The landmark file of the command line; without a unit of its own it is in mm. */
@@ -779,6 +797,8 @@ export type Meta = {
   /** that need no parameters; patterns with all defaults among them */
   drawings: DrawingInfo[];
   patterns: PatternInfo[];
+  /** who asks; null where the service has no users */
+  person: Caller | null;
 };
 
 export type MissingItem = {
@@ -879,6 +899,8 @@ export type OwnDrawing = {
 export type Patient = {
   id: string;
   code: string;
+  /** that owns the patient; null: administrators alone see the patient */
+  group: string | null;
   /** ISO 8601, UTC */
   created_at: string;
   /** 0 before anything was planned */
@@ -1463,6 +1485,9 @@ export type ResultWall = {
   triangles: [number, number, number][];
 };
 
+/** What a person may do; each role may do all that those before it may. */
+export type Role = "look" | "plan" | "administer";
+
 export type Scan = {
   id: string;
   /** id of the patient whose scan it is */
@@ -1598,6 +1623,8 @@ export type ScanUpload = {
   patient?: string | null;
   /** though the same file is a scan of that patient already */
   again?: boolean;
+  /** of a new patient: the group that owns the patient, where the caller is in several */
+  group?: string | null;
   /** name of the model that it is fitted with, of /api/meta; without it the first */
   model?: string | null;
   /** of a label map whose file does not say where it lies, or says it twice: the `value` of a choice of the 422 answer's `question` (sform, qform), or three letters that say where the voxels' axes grow to (RAS) */

@@ -6,7 +6,7 @@ import { addressOfPatient, fromHash } from "../../src/app/address";
 import { daysUntil, deletedAt, sureness } from "../../src/patients/state";
 
 const scan = (id: string, part: Partial<Patient["scans"][number]> = {}): Patient["scans"][number] => ({ id, stance: "standing", created_at: "2026-01-01T00:00:00Z", delete_at: null, kind: "surface", thumbnail: "", fit: null, ...part });
-const patient = (id: string, part: Partial<Patient> = {}): Patient => ({ id, code: id, created_at: "2026-01-01T00:00:00Z", plan_version: 0, planned: { patterns: [], lines: 0, lesions: 0 }, scans: [scan(`${id}1`)], links: { self: "", plan: "" }, ...part });
+const patient = (id: string, part: Partial<Patient> = {}): Patient => ({ id, code: id, group: null, created_at: "2026-01-01T00:00:00Z", plan_version: 0, planned: { patterns: [], lines: 0, lesions: 0 }, scans: [scan(`${id}1`)], links: { self: "", plan: "" }, ...part });
 
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => {

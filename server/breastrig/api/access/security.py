@@ -3,17 +3,20 @@
 Reading the scans of patients must not be possible from a web page that happens to be open in the same browser:
   * the Host header must name this machine (a foreign name that resolves to 127.0.0.1 is DNS rebinding),
   * a request that changes something must come from our own page when the browser says where it comes from,
-  * with a token set, every call below /api must carry it, or the cookie of a browser that has signed in with it.
+  * with a token set, every call below /api must carry it, or the cookie of a browser that has signed in with it,
+  * with users, every call below /api must come from one of them whose role it allows, and it is about a patient of
+    theirs.
 """
 
-import hmac
 from urllib.parse import urlsplit
 
 from apiflask import APIFlask
 from flask import Response, current_app, request
 
+from breastrig.api.access.callers import caller
+from breastrig.api.access.person import NOBODY, current_person, groups_in_reach, is_visitor, note_person
 from breastrig.api.access.rate_limits import RateLimits
-from breastrig.api.access.session import in_session
+from breastrig.api.access.roles import WORDS, least_role
 from breastrig.api.config import Config
 from breastrig.api.errors import SENTENCES, problem, refuse, too_large
 from breastrig.api.trusted_proxy import client_of
@@ -53,8 +56,9 @@ def register_security(app: APIFlask, config: Config, storage: Storage, rates: Ra
     @app.before_request
     def guard() -> Response | None:
         client_key.set(client_of(request.remote_addr))
-        refused = _wrong_host(config) or _foreign_origin() or _wrong_token(config, storage, rates)
+        refused = _wrong_host(config) or _foreign_origin() or _unknown(config, storage, rates) or _forbidden()
         if refused is None:
+            _check_reach(storage)
             _refuse_long_names()
             _count_upload(rates)
             refused = _limit_body(config)
@@ -101,18 +105,45 @@ def netloc_of(origin: str) -> str:
     return parts.netloc.lower().removesuffix(USUAL_PORTS[parts.scheme]) if parts.scheme in USUAL_PORTS else ""
 
 
-def _wrong_token(config: Config, storage: Storage, rates: RateLimits) -> Response | None:
-    """The refusal of a wrong token; None for the right one, however many wrong ones came before."""
-    if config.token is None or not request.path.startswith("/api/") or _is_for_visitors():
+def _unknown(config: Config, storage: Storage, rates: RateLimits) -> Response | None:
+    """The refusal of nobody who is known; None for the right token, however many wrong ones came before."""
+    if config.people is not None:
+        note_person(NOBODY)
+    if not request.path.startswith("/api/") or is_visitor():
         return None
-    if has_token(config.token) or in_session(config.token, storage):
+    person = caller(config, storage)
+    if person is not None:
+        note_person(person)
         return None
     count_guess(rates)
-    return problem(
-        401,
-        "This service needs its token: sign in at /sign-in, or send it as a bearer in the Authorization header.",
-        headers={"WWW-Authenticate": "Bearer"},
+    detail = (
+        "This service needs its token: sign in at /sign-in, or send it as a bearer in the Authorization header."
+        if config.people is None
+        else "Nobody is signed in; sign in at /sign-in."
     )
+    return problem(401, detail, headers={"WWW-Authenticate": "Bearer"})
+
+
+def _forbidden() -> Response | None:
+    """The refusal of a call that the person's role does not allow."""
+    least = None if request.endpoint is None else least_role(request.endpoint, request.method)
+    person = current_person()
+    if least is None or person.role.includes(least):
+        return None
+    return problem(403, f"You {WORDS[least]}; ask an administrator of your clinic for more.")
+
+
+def _check_reach(storage: Storage) -> None:
+    """Raises NotFound for what is of a patient of other groups, or of nobody, as for what is not there."""
+    if groups_in_reach() is None:
+        return
+    given = request.view_args or {}
+    if "patient_id" in given:
+        storage.case(given["patient_id"])
+    if "scan_id" in given:
+        storage.case_of_scan(given["scan_id"])
+    if "fit_id" in given:
+        storage.case_of_fit(given["fit_id"])
 
 
 def count_guess(rates: RateLimits) -> None:
@@ -120,17 +151,6 @@ def count_guess(rates: RateLimits) -> None:
     if "Authorization" in request.headers:
         rates.check("bearer")
         rates.check("bearer of anybody", "anybody")
-
-
-def has_token(token: str) -> bool:
-    """Whether the request's Authorization header holds the token."""
-    kind, _, given = request.headers.get("Authorization", "").partition(" ")
-    return kind.lower() == "bearer" and hmac.compare_digest(given.strip().encode(), token.encode())
-
-
-def _is_for_visitors() -> bool:
-    """Whether the call is for visitors of share links, who bring a credential that the call checks."""
-    return (request.endpoint or "").startswith("shared.")
 
 
 def _refuse_long_names() -> None:
@@ -154,7 +174,7 @@ def _limit_body(config: Config) -> Response | None:
     expected = getattr(view, "_spec", {}).get("content_type") if view else None
     takes_body = expected is not None and request.method not in SAFE_METHODS
     largest: dict[str | None, int] = {
-        "application/json": FORM_BYTES if _is_for_visitors() else config.json_bytes,
+        "application/json": FORM_BYTES if is_visitor() else config.json_bytes,
         "multipart/form-data": config.uploads.zip_bytes if _is_upload() else config.uploads.file_bytes,
     }
     request.max_content_length = largest.get(expected, FORM_BYTES) if takes_body else FORM_BYTES

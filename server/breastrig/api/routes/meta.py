@@ -5,9 +5,11 @@ from flask import Response
 
 from breastrig.api.answers import CHECK_AGAIN, PDF, bytes_answer, file_of
 from breastrig.api.app_context import app_context
+from breastrig.api.routes.groups import caller_answer, group_for_new
 from breastrig.api.routes.scans.scans import scan_answer
 from breastrig.api.wire import common as wire
 from breastrig.api.wire import meta as wire_meta
+from breastrig.api.wire.persons import GroupQuery
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
 from breastrig.drawings.pattern_parameters import pattern_forms
@@ -56,6 +58,7 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
             *(wire_meta.DrawingInfo(name=name, label=label) for name, label in offered_patterns(rig)),
         ],
         patterns=pattern_forms(rig),
+        person=caller_answer(),
     )
 
 
@@ -77,11 +80,12 @@ def list_examples() -> wire_meta.Examples:
 
 
 @meta.post("/api/examples/<name>")
+@meta.input(GroupQuery, location="query")
 @meta.output(wire_meta.ExampleScan, status_code=201, description="The example was read and stored as a scan")
 @meta.doc(operation_id="openExample")
-def open_example(name: str) -> tuple[wire_meta.ExampleScan, int, dict[str, str]]:
+def open_example(name: str, query_data: GroupQuery) -> tuple[wire_meta.ExampleScan, int, dict[str, str]]:
     """Open an example as if it had been uploaded"""
-    row, points_mm = app_context().service.uploads.add_example(name)
+    row, points_mm = app_context().service.uploads.add_example(name, group_for_new(query_data.group))
     scan = scan_answer(row)
     landmarks = wire.LandmarkFile(landmarks=points_mm)
     answer = wire_meta.ExampleScan(**scan.model_dump(), example_landmarks=landmarks)

@@ -9,7 +9,8 @@ from typing import Any
 from apiflask import APIBlueprint
 from flask import Response, request
 
-from breastrig.api.access.security import count_guess, has_token
+from breastrig.api.access.callers import has_token
+from breastrig.api.access.security import count_guess
 from breastrig.api.app_context import app_context
 from breastrig.api.config import is_loopback
 from breastrig.api.errors import refuse

@@ -8,7 +8,7 @@ from flask import Blueprint, Response, abort, request
 from werkzeug.routing import BaseConverter
 from werkzeug.security import safe_join
 
-from breastrig.api.access.session import in_session
+from breastrig.api.access.callers import caller
 from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, public_answer
 from breastrig.api.app_context import app_context
 from breastrig.api.routes.sign_in import sign_in_with
@@ -41,8 +41,8 @@ def index() -> Response:
     the sign-in page comes first.
     """
     context = app_context()
-    token, given = context.config.token, request.args.get("token")
-    has_session = token is None or in_session(token, context.service.storage)
+    given = request.args.get("token")
+    has_session = caller(context.config, context.service.storage) is not None
     if given is not None and not has_session:
         return sign_in_with(given)
     if given is not None:

@@ -66,7 +66,7 @@ def list_patients(query_data: wire.PatientQuery) -> wire.PatientPage:
 @patients.doc(operation_id="getPatient")
 def show_patient(patient_id: str) -> wire.Patient:
     """A patient with all scans"""
-    return _answer(listed_patient(app_context().service.storage, patient_id))
+    return patient_answer(patient_id)
 
 
 @patients.patch("/<patient_id>")
@@ -79,7 +79,7 @@ def change_patient(patient_id: str, json_data: wire.PatientChange) -> wire.Patie
     A code of your own, never a name: it is shown in the list and kept with the scans.
     """
     rename_patient(app_context().service.storage, patient_id, checked_code(json_data.code))
-    return _answer(listed_patient(app_context().service.storage, patient_id))
+    return patient_answer(patient_id)
 
 
 @patients.delete("/<patient_id>")
@@ -107,7 +107,7 @@ def move(scan_id: str, json_data: wire.ScanOwner) -> wire.Patient:
     """
     service = app_context().service
     patient = move_scan(service.storage, scan_id, json_data.patient, json_data.again, json_data.same_as)
-    return _answer(listed_patient(service.storage, patient))
+    return patient_answer(patient)
 
 
 @patients.get("/<patient_id>/plan")
@@ -237,6 +237,11 @@ def _plan_answer(patient_id: str, plan: PatientPlan) -> Response:
     response = Response(json.dumps(document), mimetype=JSON, headers={"Cache-Control": "no-store"})
     response.set_etag(plan.etag)
     return response
+
+
+def patient_answer(patient_id: str) -> wire.Patient:
+    """The patient as the API shows it. Raises NotFound."""
+    return _answer(listed_patient(app_context().service.storage, patient_id))
 
 
 def _answer(row: ListedCase) -> wire.Patient:

@@ -1,4 +1,6 @@
-"""Sign-in with the token, so that the browser may ask for the rest: a page, plain HTML without script, or the address
+"""Sign-in with the token, or with `--users` at the hospital's own provider or proxy.
+
+With the token, so that the browser may ask for the rest: a page, plain HTML without script, or the address
 with the token in it that `breastrig serve` prints.
 
 A hospital has one address for all, so whoever guesses there must not keep colleagues out: the right token opens however
@@ -9,9 +11,11 @@ random hexadecimal digits take more than 10^10 years.
 
 import hmac
 
-from flask import Blueprint, Response, redirect, render_template, request
+from flask import Blueprint, Response, redirect, render_template, request, url_for
 
-from breastrig.api.access.session import end_session, in_session, start_session
+from breastrig.api.access.callers import person_in_browser
+from breastrig.api.access.provider import NotSignedIn
+from breastrig.api.access.session import end_session, in_session, start_persons_session, start_session
 from breastrig.api.answers import CHECK_AGAIN, bytes_answer
 from breastrig.api.app_context import app_context
 
@@ -37,7 +41,7 @@ def sign_in_with(given: str) -> Response:
     """Sets the cookie and leads to the page's own address, or asks again."""
     context = app_context()
     token = context.config.token
-    if token is None:
+    if token is None or context.config.people is not None:
         return _to("/")
     seconds = context.rates.wait_s("sign-in tried")
     if seconds:
@@ -50,12 +54,50 @@ def sign_in_with(given: str) -> Response:
     return response
 
 
+@sign_in.get("/sign-in/start")
+def leave_for_provider() -> Response:
+    """To the provider, where there is one"""
+    context = app_context()
+    seconds = context.rates.wait_s("sign-in tried")
+    if seconds:
+        return _too_many(seconds)
+    if context.provider is None:
+        return _to("/sign-in")
+    try:
+        response = context.provider.leave_for(url_for("sign_in.come_back", _external=True))
+    except NotSignedIn as error:
+        return _page(str(error), 502)
+    end_session(response, None, context.config.people, context.service.storage)  # of whoever was here before
+    response.headers["Cache-Control"] = "no-store"
+    return response
+
+
+@sign_in.get("/sign-in/callback")
+def come_back() -> Response:
+    """From the provider, which names a code; it leads to the page's own address and nowhere else"""
+    context = app_context()
+    people, provider = context.config.people, context.provider
+    seconds = context.rates.wait_s("sign-in tried")
+    if seconds:
+        return _too_many(seconds)
+    if people is None or provider is None:
+        return _to("/sign-in")
+    try:
+        person = provider.person()
+    except NotSignedIn as error:
+        return _page(str(error), 401)
+    response = _to("/")
+    start_persons_session(response, people, person)
+    return response
+
+
 @sign_in.post("/sign-out")
 def leave() -> Response:
     response = _to("/sign-in")
     # What the browser keeps of patients.  Not "cookies": that would be those of the whole domain, other programs' too.
     response.headers["Clear-Site-Data"] = '"cache", "storage"'
-    end_session(response, app_context().config.token, app_context().service.storage)
+    config = app_context().config
+    end_session(response, config.token, config.people, app_context().service.storage)
     return response
 
 
@@ -66,10 +108,12 @@ def style() -> Response:
 
 def _page(problem: str = "", status: int = 200) -> Response:
     context = app_context()
-    token = context.config.token
-    note = NOT_NEEDED if token is None else problem
-    signed_in = token is not None and in_session(token, context.service.storage)
-    html = render_template("sign_in.html", needed=token is not None, note=note, signed_in=signed_in)
+    token, people, storage = context.config.token, context.config.people, context.service.storage
+    person = None if people is None else person_in_browser(people, storage)
+    by = "people" if context.provider else "proxy" if people else "token" if token else ""
+    signed_in = person is not None or (by == "token" and token is not None and in_session(token, storage))
+    note = problem if by else NOT_NEEDED
+    html = render_template("sign_in.html", by=by, note=note, signed_in=signed_in, name=person and person.name)
     return Response(html, status, mimetype="text/html", headers=PAGE_HEADERS)
 
 

@@ -76,6 +76,9 @@ SAME_PLACE = (
 )
 
 
+GROUP = "of a new patient: the group that owns the patient, where the caller is in several"
+
+
 class ScanUpload(Upload):
     file: UploadFile = Field(
         description="PLY, OBJ, STL, GLB, PCD, XYZ, USDZ, or a zip of one with its images; an MRI's label map; "
@@ -86,6 +89,7 @@ class ScanUpload(Upload):
         None, max_length=64, description="id of the patient whose scan it is; without it a new patient"
     )
     again: bool = Field(False, description="though the same file is a scan of that patient already")
+    group: str | None = Field(None, max_length=60, description=GROUP)
     model: str | None = Field(
         None, max_length=64, description="name of the model that it is fitted with, of /api/meta; without it the first"
     )

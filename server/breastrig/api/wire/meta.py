@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from breastrig.api.wire.common import LandmarkFile, Scan, Wire
+from breastrig.api.wire.persons import Caller
 from breastrig.core.stances import Stance
 from breastrig.drawings.pattern_parameters import PatternInfo
 from breastrig.files.result import ModelSummary
@@ -68,6 +69,7 @@ class Meta(Wire):
     presets: list[str]
     drawings: list[DrawingInfo] = Field(description="that need no parameters; patterns with all defaults among them")
     patterns: list[PatternInfo]
+    person: Caller | None = Field(description="who asks; null where the service has no users")
 
 
 class Health(Wire):

@@ -79,6 +79,7 @@ class Patient(Wire):
 
     id: str
     code: str
+    group: str | None = Field(description="that owns the patient; null: administrators alone see the patient")
     created_at: str = Field(description="ISO 8601, UTC")
     plan_version: int = Field(description="0 before anything was planned")
     planned: Planned

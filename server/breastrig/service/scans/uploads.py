@@ -82,13 +82,14 @@ class Uploads:
         model: str | None = None,
         answers: VolumeAnswers = NOTHING_SAID,
         again: bool = False,
+        group: str | None = None,
     ) -> tuple[StoredScan, list[str]]:
         """Reads an upload and keeps what was read of it, without names, comments and picture metadata.
 
-        It is a scan of that patient, or of a new one, to be fitted with the model of that name.  With it comes what a
-        label map's file calls its segments, which is not kept.  Raises BadScan or TooLarge with a sentence, of BadScan
-        NeedsAnswer where a person has to say something, NeedsYes for a file that is a scan of that patient unless
-        `again`, or NotFound for an unknown patient or model, and then keeps nothing.
+        It is a scan of that patient, or of a new one, whom the group owns, to be fitted with the model of that name.
+        With it comes what a label map's file calls its segments, which is not kept.  Raises BadScan or TooLarge with a
+        sentence, of BadScan NeedsAnswer where a person has to say something, NeedsYes for a file that is a scan of that
+        patient unless `again`, or NotFound for an unknown patient or model, and then keeps nothing.
         """
         chosen = self._models.facts_of(model)
         if patient is not None:
@@ -108,7 +109,7 @@ class Uploads:
             lesions: list[dict[str, Any]] = facts.pop("lesions", [])
             labels: list[str] = facts.pop("labels", [])
             row = StoredScan(scan_id, utc_now(), STORED, sha256, facts | chosen)
-            scan_rows.add_scan(self._storage, row, patient, again)
+            scan_rows.add_scan(self._storage, row, patient, again, group)
             if lesions:
                 items = [{"kind": "lesion", "id": new_id(), "scan": scan_id, **each} for each in lesions]
                 put_items_of_scan(self._storage, scan_id, "lesion", items)
@@ -147,7 +148,7 @@ class Uploads:
         found = [_example(scan) for scan in folder.glob("*/scan.*")]
         return tuple(sorted(found, key=lambda each: (STANCES.index(each.stance), each.name)))
 
-    def add_example(self, name: str) -> tuple[StoredScan, Points]:
+    def add_example(self, name: str, group: str | None = None) -> tuple[StoredScan, Points]:
         """Opens an example like an upload; also its landmarks in mm.  Raises NotFound."""
         examples = {example.name: example for example in self.examples()}
         if not examples:
@@ -156,7 +157,7 @@ class Uploads:
             raise NotFound(unknown_name("example", name, tuple(examples)))
         example = examples[name]
         with example.scan.open("rb") as source:
-            row, _ = self.add(source, example.scan.suffix.lstrip("."), "auto")
+            row, _ = self.add(source, example.scan.suffix.lstrip("."), "auto", group=group)
         return row, json.loads(example.landmarks.read_text(encoding="utf-8"))["landmarks"]
 
     def _read(self, scan_id: str, job: UploadJob) -> dict[str, Any]:

@@ -227,7 +227,8 @@ def fits_page(
     storage: Storage, limit: int, before: int | None = None, scan_id: str | None = None
 ) -> tuple[list[StoredFit], int | None]:
     """Fits, or those of a scan, the newest first, and where the next page goes on (None: there is none)."""
-    ids, more = storage.index.asked(lambda rows: questions.fits_page(rows, limit, before, scan_id))
+    groups = storage.groups_in_reach()
+    ids, more = storage.index.asked(lambda rows: questions.fits_page(rows, limit, before, scan_id, groups))
     return list(_rows(storage, ids)), more
 
 

@@ -98,7 +98,8 @@ def listed_page(
     storage: Storage, limit: int, last: tuple[str, int] | None, search: str = "", sort: Sort = "newest"
 ) -> tuple[list[ListedCase], tuple[str, int] | None]:
     """Patients in that order, and the key and number where the next page goes on; `search` is a part of a code."""
-    rows, more = storage.index.asked(lambda rows: questions.cases_page(rows, limit, last, search, sort))
+    groups = storage.groups_in_reach()
+    rows, more = storage.index.asked(lambda rows: questions.cases_page(rows, limit, last, search, sort, groups))
     return _listed(storage, [row.id for row in rows]), more
 
 
@@ -117,9 +118,11 @@ def _listed(storage: Storage, ids: Sequence[str]) -> list[ListedCase]:
     Folders are opened only of what has changed, and of fits that have not ended, as their log says more than the index
     until then.
     """
-    behind = storage.index.catch_up(ids)
+    behind, groups = storage.index.catch_up(ids), storage.groups_in_reach()
     found = []
     for row in storage.index.asked(lambda rows: questions.listed_cases(rows, ids)):
+        if groups is not None and row.group not in groups:  # given to others a moment ago
+            continue
         scans = row.scans
         if row.id in behind:
             try:
@@ -154,6 +157,12 @@ def _with_present_fit(storage: Storage, case_id: str, scan: ListedScan) -> Liste
 def rename_patient(storage: Storage, patient_id: str, code: str) -> None:
     """Replaces the code; an empty one by a new random one. Raises NotFound."""
     storage.case(patient_id).rename(code or storage.new_code())
+    storage.index.refresh(patient_id)
+
+
+def give_patient(storage: Storage, patient_id: str, group: str | None) -> None:
+    """The patient is owned by that group from then on. Raises NotFound."""
+    storage.case(patient_id).give_to(group)
     storage.index.refresh(patient_id)
 
 

@@ -29,8 +29,10 @@ class StoredScan:
     facts: dict[str, Any]  # what reading found: unit, counts, bounds, frame, stance, notes
 
 
-def add_scan(storage: Storage, row: StoredScan, patient: str | None = None, again: bool = False) -> None:
-    """Its files have been made; it is of that patient, or of a new one.
+def add_scan(
+    storage: Storage, row: StoredScan, patient: str | None = None, again: bool = False, group: str | None = None
+) -> None:
+    """Its files have been made; it is of that patient, or of a new one, whom the group owns.
 
     Raises NotFound when the patient is gone, and NeedsYes where there is that file already and nobody said `again`.
     """
@@ -43,7 +45,7 @@ def add_scan(storage: Storage, row: StoredScan, patient: str | None = None, agai
         case = storage.case(patient)
         case.add_scan(made, document, row.id, again)
     else:
-        case = storage.new_case(MadeScan(row.id, document, made))
+        case = storage.new_case(MadeScan(row.id, document, made), group)
     storage.index.refresh(case.id)
 
 
@@ -72,7 +74,8 @@ def scans_page(
     storage: Storage, limit: int, last: tuple[str, str] | None = None
 ) -> tuple[list[StoredScan], tuple[str, str] | None]:
     """Scans after the `last` one's time and id, the newest first, and where the next page goes on (None: nowhere)."""
-    ids, more = storage.index.asked(lambda rows: questions.scans_page(rows, limit, last))
+    groups = storage.groups_in_reach()
+    ids, more = storage.index.asked(lambda rows: questions.scans_page(rows, limit, last, groups))
     return get_scans(storage, ids)[::-1], more
 
 

@@ -8,6 +8,7 @@ from flask import Response
 
 from breastrig.api.answers import BINARY, GLB, PNG, browser_forgets, file_of, in_memory, opened
 from breastrig.api.app_context import app_context
+from breastrig.api.routes.groups import group_for_new
 from breastrig.api.wire import common as wire
 from breastrig.cases.case_folder import NO_SCAN
 from breastrig.core.errors import NotFound
@@ -58,8 +59,9 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
         files_data.frame, segments_of_json(files_data.segments), files_data.series, files_data.same_place
     )
     patient, model = files_data.patient or None, files_data.model or None
+    group = group_for_new(files_data.group) if patient is None else None
     row, labels = app_context().service.uploads.add(
-        files_data.file.stream, file_type, files_data.units, patient, model, answers, files_data.again
+        files_data.file.stream, file_type, files_data.units, patient, model, answers, files_data.again, group
     )
     answer = scan_answer(row)
     named = zip(answer.segments, labels, strict=True)
