@@ -89,7 +89,7 @@ def files_of_the_schema() -> dict[str, dict[str, Any]]:
 def test_every_file_is_declared_as_bytes_or_as_json() -> None:
     files = files_of_the_schema()
     endings = {PurePosixPath(path).suffix for path in files}
-    assert endings == {"", ".glb", ".gltf", ".ply", ".bin", ".png", ".pdf", ".stl", ".vtu", ".zip"}
+    assert endings == {"", ".glb", ".gltf", ".ply", ".bin", ".png", ".pdf", ".stl", ".svg", ".vtu", ".zip"}
     for path, content in files.items():
         assert BINARY in content or all(one.endswith("+json") for one in content), path
         for media_type, declared in content.items():
@@ -142,6 +142,8 @@ def test_a_generated_client_uploads_fits_lists_and_gets_every_file(generated: st
         }
         for path in files_of_the_schema():
             if path.endswith("guide.stl"):  # takes 20 s: tests/report/test_guide.py has it
+                continue
+            if path.endswith(("/visits.svg", "/change.png", "/change.glb")):  # of two scans: tests/use/test_visits.py
                 continue
             plain = http.get(path.format(**ids))
             assert (plain.status_code, len(plain.content) > 100) == (200, True), path

@@ -131,6 +131,7 @@ def body(call: Call, patient: Patient) -> dict[str, Any]:
             "data": {"file": (io.BytesIO(b"nipple_L,70,350,120"), "picks.csv")}
         },
         ("POST", "/api/scans/<scan_id>/landmarks/file/<kind>"): {"json": landmarks},
+        ("PUT", "/api/scans/<scan_id>/visit"): {"json": {"date": "2026-03-01"}},
         ("PUT", "/api/scans/<scan_id>/cuts"): {"json": {"cuts": []}},
         ("PUT", "/api/scans/<scan_id>/drawing"): {"json": {"shapes": []}},
         ("PUT", "/api/scans/<scan_id>/patient"): {"json": {"patient": patient.patient}},
@@ -233,6 +234,9 @@ REFUSED = (
     "measures.json",
     "volume.vtu",
     "/ink",
+    "/visits.svg",
+    "/change.png",
+    "/change.glb",
 )  # a fake fit
 
 

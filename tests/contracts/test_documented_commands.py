@@ -90,6 +90,12 @@ LISTED = {  # why they are not run here, or the test that runs them
     "tests/use/test_true_size.py": [
         "breastrig case length patient/ --put suprasternal_notch nipple_L 214",
     ],
+    "tests/use/test_visits.py": [
+        "breastrig case visit patient/ --date 2026-03-01 --label before",
+        "breastrig case visit patient/ --scan 1 --date 2026-03-01 --label before",
+        'breastrig case visit patient/ --scan 2 --date 2026-09-01 --label "6 months"',
+        "breastrig visits patient/ -o visits/",
+    ],
     "tests/report/test_protocol.py": [
         "breastrig protocol -o protocol.pdf",
     ],

@@ -10,10 +10,12 @@ from scipy.spatial.transform import Rotation
 from breastrig.core.arrays import Array
 from breastrig.core.errors import BadInput
 from breastrig.geometry.normals import vertex_normals
+from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
 from breastrig.report.visits.alignment import aligned, untouched
 from breastrig.report.visits.change import Change, change_between, on_breasts, visit_calibration
-from breastrig.report.volume import enclosed_volume
+from breastrig.report.visits.symmetry import symmetry_rows
+from breastrig.report.volume import enclosed_volume, vertices_within
 from breastrig.rig.model import Rig
 
 TURN = Rotation.from_euler("xyz", (20.0, 140.0, -35.0), degrees=True).as_matrix()
@@ -88,7 +90,7 @@ def test_what_an_operation_moved_does_not_move_the_alignment(rig: Rig, at_rest: 
 def test_nothing_is_said_of_scans_that_differ_by_noise(rig: Rig, at_rest: Stance) -> None:
     out = vertex_normals(rig.template, rig.faces)
     shares = []
-    for seed in range(6):
+    for seed in range(3):
         found = change_between(at_rest, visit(rig, rig.template + noise(rig, seed)[:, None] * out))
         shares.append(float(found.said[np.isfinite(found.along)].mean()))
     assert np.mean(shares) <= 0.1
@@ -102,6 +104,19 @@ def test_skin_that_one_scan_does_not_show_has_no_change(rig: Rig, at_rest: Stanc
     assert np.isnan(found.along[left]).all()
     assert found.volume("L") is None
     assert gained(found, "R")[0] == pytest.approx(0.0, abs=1.0)
+
+
+def test_breasts_that_mirror_each_other_are_symmetric(rig: Rig, at_rest: Stance) -> None:
+    whole = {row.measure: row.value for row in symmetry_rows(at_rest, measures(at_rest))}
+    assert whole["volume_symmetry"] is not None
+    assert whole["volume_symmetry"].value == pytest.approx(1.0, abs=1e-3)
+    assert whole["shape_symmetry"] is not None
+    assert whole["shape_symmetry"].value < 0.05
+    grown = visit(rig, larger(rig, 0.012))
+    bell = np.linalg.norm(larger(rig, 0.012) - rig.template, axis=1)[vertices_within(rig, "L")]
+    found = {row.measure: row.value for row in symmetry_rows(grown, measures(grown))}["shape_symmetry"]
+    assert found is not None
+    assert found.value == pytest.approx(1e3 * float(np.sqrt(np.mean(bell**2))), rel=0.1)
 
 
 def test_what_cannot_be_compared_is_said(rig: Rig, at_rest: Stance) -> None:

@@ -34,6 +34,7 @@ from breastrig.api.routes.shares.shared import share_page, shared
 from breastrig.api.routes.shares.shares import shares
 from breastrig.api.routes.sign_in import sign_in
 from breastrig.api.routes.transfers import transfers
+from breastrig.api.routes.visits import visits, visits_of_scans
 from breastrig.api.served_model import serve_model
 from breastrig.api.trusted_proxy import BehindProxy
 from breastrig.core.version import __version__
@@ -93,6 +94,8 @@ def _bare_app() -> APIFlask:
         owners,
         plans_of_fits,
         persons,
+        visits,
+        visits_of_scans,
         patterns,
         fits,
         fits_of_scans,

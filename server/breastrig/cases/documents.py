@@ -83,6 +83,7 @@ class AnswersDocument(Document):
     stance: Literal["standing", "supine", "prone"] | None = None
     side: Literal["L", "R"] | None = Field(default=None, description="the patient's side that the scan is about")
     visit: str | None = Field(default=None, max_length=60, description="such as: before, after six months")
+    visit_date: str | None = Field(default=None, description="ISO 8601, the day on which the scan was taken")
     model: str | None = Field(default=None, max_length=100, description="name of the scan's model, said to be right")
     same_as: list[str] = Field(
         default=[], description="scans of the case that are of the same patient, though the bodies do not look like it"

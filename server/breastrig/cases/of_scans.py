@@ -148,6 +148,12 @@ def say_model(case: CaseFolder, scan_id: str, model: str) -> None:
         _put_answers(case, scan_id, model=model)
 
 
+def put_visit(case: CaseFolder, scan_id: str, day: str | None, label: str) -> None:
+    """Stores the day (ISO 8601) and the label of the scan's visit. Raises NotFound."""
+    with case.writing():
+        _put_answers(case, scan_id, visit_date=day, visit=label or None)
+
+
 def said_same(case: CaseFolder, scan_id: str) -> set[str]:
     """Scans that a person has stated to be of the same patient as this one. Raises NotFound."""
     named = set(get_answers(case, scan_id).same_as)

@@ -25,6 +25,7 @@ COMMANDS = {
     "ink": "find lines that were drawn on the skin of one scan",
     "marks": "propose the marks that two coloured scans share",
     "batch": "fit the model to many scans",
+    "visits": "what changed between the visits of one patient",
     "case": "a patient's folder: scans, fits, plan and its versions",
     "cohort": "learn a prior from a clinic's fits, merge, share",
     "presets": "list the presets of fits, or show one",

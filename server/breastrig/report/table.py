@@ -132,7 +132,7 @@ def as_printed(row: Row, step: float) -> Row:
     return row.with_values(lambda value: value.moved_to(_in_steps(value.value, step)))
 
 
-def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Cell]]:
+def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]], is_change: bool = False) -> list[dict[str, Cell]]:
     """The rows of one or two (name, rows); of two also their changes, the second less the first.
 
     `paths` are lines in the scan's frame, mm; a change has none.  `said` has the numbers as they are printed, by cell.
@@ -140,7 +140,7 @@ def flat_rows(stances: Sequence[tuple[str, Sequence[Row]]]) -> list[dict[str, Ce
     written = [(name, [rounded_once(row) for row in rows]) for name, rows in stances]
     known = [(name, row) for name, rows in written for row in rows]
     steps = {key: printed_step([row for _, row in known if row.key == key]) for key in {row.key for _, row in known}}
-    said = [_said(as_printed(row, steps[row.key]), steps[row.key], is_change=False) for _, row in known]
+    said = [_said(as_printed(row, steps[row.key]), steps[row.key], is_change=is_change) for _, row in known]
     if len(stances) == 2:
         (first, before), (second, after) = written
         known += [(f"{second} - {first}", row) for row in changes(before, after)]

@@ -38,7 +38,7 @@ class KeptModels:
 
     def __init__(self, storage: Storage, model: Path | None) -> None:
         self._storage = storage
-        self._choice = model_choice(model)
+        self._choice = self.choice = model_choice(model)
 
     @cached_property
     def _own(self) -> Rig:

@@ -41,6 +41,7 @@ from breastrig.service.scans.uploads import Uploads
 from breastrig.service.share_snapshots import ShareSnapshots
 from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
+from breastrig.service.visits import Visits
 from breastrig.storage.deletion import delete_empty_case, delete_scan, finish_deletions
 from breastrig.storage.documents.fits import NewFit, Once, StoredFit, add_fit, fits_of_scan, get_fit, made_before
 from breastrig.storage.documents.patients import said_same, scans_of_patient
@@ -105,6 +106,7 @@ class Service:
         self.skin_checks = SkinChecks(storage, interactive)
         self.line_checks = LineChecks(storage, interactive, self.plans, self.models)
         self.reports = Reports(storage, self._others, self.plans, self.models)
+        self.visits = Visits(storage, self._others, self.models)
         self.shares = ShareSnapshots(storage, self._others, self.plans, self.reports, self.models)
         self._notifier = Notifier(storage)
         self._sweep = Sweep(storage, self.delete_scan, keep_days, self.shares.end_expired)
@@ -165,6 +167,7 @@ class Service:
         self.plans.forget()
         self.line_checks.forget()
         self.reports.forget()
+        self.visits.forget()
         self._notifier.look_again()
         if left:
             _log_unremoved(left)
@@ -180,6 +183,7 @@ class Service:
         self.plans.forget()
         self.line_checks.forget()
         self.reports.forget()
+        self.visits.forget()
 
     def delete_patient(self, patient_id: str) -> None:
         """Removes all scans of the patient with all that was made of them.  No such patient is no error.

@@ -6,6 +6,7 @@ TASK_MODULES = (
     *(
         f"breastrig.use.{name}"
         for name in (
+            "cases.visits",
             "guides.template",
             "ink",
             "landmarks",
@@ -18,6 +19,7 @@ TASK_MODULES = (
             "moving.live_pattern",
             "moving.moved_landmarks",
             "reports.share_snapshot",
+            "visits.over_time",
         )
     ),
     "scipy.interpolate",  # which reports need

@@ -12,6 +12,12 @@ export type AskedScan = {
   says: string;
 };
 
+/** A scan whose day is not known, in a stance of which there is another scan. */
+export type AskedVisit = {
+  scan: string;
+  stance: "standing" | "supine" | "prone";
+};
+
 export type Bounds = {
   min: [number, number, number];
   max: [number, number, number];
@@ -78,6 +84,38 @@ export type CarriedShape = {
   distance_to_mm: (number | null)[];
 };
 
+/** The later of two visits less the earlier. */
+export type ChangeBetween = {
+  /** of `visits`, from 0 */
+  earlier: number;
+  later: number;
+  map: ChangeMap | null;
+  /** as those of measures.json */
+  measures: Record<string, unknown>[];
+  doubts: string[];
+  /** why there is no map */
+  missing?: string;
+};
+
+export type ChangeMap = {
+  /** of the skin around the breasts */
+  untouched_spread_mm: number;
+  left: ChangeOfSide;
+  right: ChangeOfSide;
+};
+
+/** What the map says of one breast. */
+export type ChangeOfSide = {
+  /** of its skin, that both scans show */
+  seen_share: number | null;
+  /** within which nothing is said, median */
+  half_band_mm: number | null;
+  /** of the seen skin, that changed by more than its band */
+  said_share: number | null;
+  /** change outwards; null: none is said */
+  largest_mm: number | null;
+};
+
 export type Choice = {
   /** to be sent */
   value: string;
@@ -113,6 +151,15 @@ export type Cuts = {
 export type CutsFile = {
   /** the first that was made first */
   cuts: Cut[];
+};
+
+export type DatedScan = {
+  scan: string;
+  date: string;
+  label: string;
+  verdict: "good" | "uncalibrated" | "check" | "unusable" | null;
+  /** since the first visit */
+  days: number;
 };
 
 export type Distances = {
@@ -418,6 +465,13 @@ export type GivenShape = {
   error_mm?: (number | null)[] | null;
   /** instead of points: places on the model */
   surface_points?: SurfacePoint[] | null;
+};
+
+export type GivenVisit = {
+  /** ISO 8601, a day such as 2026-11-29; null: not known */
+  date: string | null;
+  /** such as: before, in theatre, 6 weeks */
+  label?: string;
 };
 
 /** A parameter that the handle stands for. */
@@ -952,6 +1006,10 @@ export type PatientScan = {
   /** address of a small picture, PNG */
   thumbnail: string;
   fit: PatientFit | null;
+};
+
+export type PatientVisits = {
+  scans: ScanVisit[];
 };
 
 /** A handle of the pattern and the place to which it is dragged. */
@@ -1637,6 +1695,14 @@ export type ScanUpload = {
   same_place?: "yes" | "no" | null;
 };
 
+/** When a scan was taken, as a person has said it. */
+export type ScanVisit = {
+  scan: string;
+  /** ISO 8601, a day; null: nobody has said it */
+  date: string | null;
+  label: string;
+};
+
 /** A segment of a label map with how it is used. */
 export type Segment = {
   /** in the file */
@@ -1884,4 +1950,25 @@ export type Verdict = {
   level: "good" | "uncalibrated" | "check" | "unusable";
   /** one sentence each, the strongest first; of a good fit notes */
   reasons: string[];
+};
+
+/** What the dated scans of a patient say over time. */
+export type VisitsFile = {
+  schema: "breastrig/visits@1";
+  notice: string;
+  breastrig: string;
+  /** ranges of published series, as context */
+  published: Record<string, unknown>[];
+  asked: AskedVisit[];
+  stances: VisitsOfStance[];
+};
+
+export type VisitsOfStance = {
+  stance: "standing" | "supine" | "prone";
+  visits: DatedScan[];
+  /** measure and kind of each panel of visits.svg */
+  plotted: string[][];
+  /** as those of measures.json, with the number of their `visit` */
+  measures: Record<string, unknown>[];
+  changes: ChangeBetween[];
 };

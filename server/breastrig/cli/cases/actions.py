@@ -96,6 +96,14 @@ def length(options: argparse.Namespace) -> int:
     return 0
 
 
+def visit(options: argparse.Namespace) -> int:
+    case = Case(options.case)
+    scan = _chosen(case, options.scan)
+    case.put_visit(scan.id, options.date, options.label)
+    print(_about(next(each for each in case.scans if each.id == scan.id)))
+    return 0
+
+
 def fit(options: argparse.Namespace) -> int:
     case = Case(options.case)
     scan = _chosen(case, options.scan)
@@ -170,7 +178,9 @@ def show(options: argparse.Namespace) -> int:
 
 def _about(scan: CaseScan) -> str:
     scaled = "" if scan.scale == 1.0 else f", scaled by {scan.scale:.3f}"
-    return f"{scan.created_at[:10]}, {scan.stance}, {scan.triangles:,} triangles, {scan.unit}{scaled}   {scan.id}"
+    visit = ", ".join(filter(None, (scan.visit.date, scan.visit.label)))
+    said = f", visit {visit}" if visit else ""
+    return f"{scan.created_at[:10]}, {scan.stance}{said}, {scan.triangles:,} triangles, {scan.unit}{scaled}   {scan.id}"
 
 
 def list_cases(options: argparse.Namespace) -> int:

@@ -61,6 +61,11 @@ class Change:
     half: Array  # (V,) m, half the 90 % band; within it nothing is said
 
     @property
+    def of_breasts(self) -> Booleans:
+        """(V,) vertices of the breasts."""
+        return on_breasts(self.earlier.rig)
+
+    @property
     def said(self) -> Booleans:
         """(V,) where the change is larger than its band."""
         return np.abs(self.along) > self.half  # nan is not

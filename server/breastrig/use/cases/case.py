@@ -1,6 +1,7 @@
 """A case for programs: one patient's folder, as the command line and the service use it too."""
 
-from collections.abc import Generator, Mapping, Sequence
+import json
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,9 @@ from breastrig.core.arrays import Array, frozen
 from breastrig.core.errors import BadInput, Conflict, FitFailed, NotRemoved, unknown_name
 from breastrig.core.model_choice import model_choice
 from breastrig.core.one_thread import one_thread
+from breastrig.core.output_files import Output, OutputSet, all_or_nothing
 from breastrig.core.picks import Points
+from breastrig.core.private_files import write_files
 from breastrig.core.stances import AUTO, STANCES
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import drawing_with
@@ -40,6 +43,7 @@ from breastrig.use.cases.case_work import (
     lesions_into_case,
     read_into_case,
 )
+from breastrig.use.cases.visits import ScanVisit, say_visit, visit_of, visits_job
 from breastrig.use.fit import FitRun, to_its_end
 from breastrig.use.folder.whose import asked_about
 from breastrig.use.landmarks import NOTHING, Landmarks, landmarks_in_mm
@@ -50,6 +54,9 @@ from breastrig.use.steps.prepare import landmark_words
 from breastrig.use.steps.settings import FIRST
 from breastrig.use.values.fit_result import Fit
 from breastrig.use.values.model import loaded
+from breastrig.use.visits.over_time import RECORD as VISITS_RECORD
+from breastrig.use.visits.over_time import SCHEMA as VISITS_SCHEMA
+from breastrig.use.visits.over_time import visits_document, visits_files
 
 
 @dataclass(frozen=True)
@@ -79,6 +86,7 @@ class CaseScan:
     stance: str  # as its form shows it
     notes: tuple[str, ...]  # what reading found, one sentence each
     folder: Path
+    visit: ScanVisit  # as a person has said it
     scale: float = 1.0  # from the size of its file to its true one, which all its places have
 
 
@@ -230,6 +238,40 @@ class Case:
     def delete_length(self, scan: str) -> None:
         """Gives the scan the size of its file again; fits of that size count again.  Raises as `put_length`."""
         delete_length(self._folder, scan)
+
+    def put_visit(self, scan: str, date: str | None, label: str = "") -> None:
+        """Says on which day the scan was taken (ISO 8601; None: not known), and the visit's name: before, 6 weeks.
+
+        Raises BadInput.
+        """
+        say_visit(self._folder, scan, date, label)
+
+    def visits(self) -> dict[str, Any]:
+        """What the scans with a day say over time: the document breastrig/visits@1, by each scan's newest fit.
+
+        Raises BadInput.
+        """
+        with one_thread():
+            return visits_document(visits_job(self._folder, model_choice(None)))
+
+    def write_visits(
+        self,
+        folder: str | Path,
+        *,
+        force: bool = False,
+        asked_to_stop: Callable[[], None] = lambda: None,
+    ) -> dict[str, Any]:
+        """Writes `visits` with its table, plots and maps of change, as `breastrig visits` does; the document.
+
+        Raises BadInput.
+        """
+        with one_thread():
+            files = visits_files(visits_job(self._folder, model_choice(None)))
+            output = OutputSet(Path(), tuple(files), VISITS_RECORD, VISITS_SCHEMA, varying=True)
+            with all_or_nothing(Output(Path(folder), (output,), (), force, asked_to_stop)) as staging:
+                write_files(files, staging)
+        found: dict[str, Any] = json.loads(files[VISITS_RECORD])
+        return found
 
     def put_cuts(self, scan: str, cuts: str | Path | Mapping[str, Any]) -> None:
         """Replaces what is cut away by hand: a file with what `GET /api/scans/ID/cuts` answers, or that itself.
@@ -388,6 +430,7 @@ def _scan(folder: CaseFolder, entry: ScanEntry) -> CaseScan:
         stance=facts["stance"]["proposed"],
         notes=tuple(facts.get("notes", ())),
         folder=folder.scan_folder(entry.id),
+        visit=visit_of(folder, entry.id),
         scale=facts.get("scale", {}).get("factor", 1.0),
     )
 

@@ -1,0 +1,43 @@
+"""`breastrig visits CASE -o DIR`: what changed between the visits of one patient, in each stance with two days or more.
+
+DIR gets visits.json, visits.csv, and of each stance visits_STANCE.svg (measures over time with their bands, published
+ranges in grey) and a signed map of each change: change_STANCE_N.png, .glb and .ply.  Days are those that
+`breastrig case visit` has stored; scans without one are named.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from breastrig.cli.interruption import raise_if_asked
+from breastrig.cli.output_options import add_output_options
+from breastrig.use.cases.case import Case
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("case", type=Path, metavar="CASE", help="folder of the case")
+    add_output_options(parser, "DIR", "folder for the results")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Writes the files, and says each change of a volume; returns 0."""
+    case = Case(options.case)
+    found = case.write_visits(options.output, force=options.force, asked_to_stop=raise_if_asked)
+    numbers = {scan.id: number for number, scan in enumerate(case.scans, start=1)}
+    for each in found["asked"]:
+        print(
+            f"breastrig: The day of scan {numbers[each['scan']]} ({each['stance']}) is not known; say it with "
+            "`breastrig case visit`.",
+            file=sys.stderr,
+        )
+    for stance in found["stances"]:
+        for change in stance["changes"]:
+            a, b = (stance["visits"][change[which]] for which in ("earlier", "later"))
+            volumes: dict[str, str] = next(
+                (row["said"] for row in change["measures"] if row["measure"] == "volume"), {}
+            )
+            said = [f"{side} {ml} ml" for side, ml in volumes.items() if side != "difference"]
+            print(f"{stance['stance']}, {a['date']} to {b['date']}: {', '.join(said) or 'no volume is known'}")
+            for doubt in (*change["doubts"], *filter(None, [change.get("missing")])):
+                print(f"breastrig: {doubt}", file=sys.stderr)
+    return 0

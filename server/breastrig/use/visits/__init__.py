@@ -1,0 +1,1 @@
+"""Visits of one patient over time."""
