@@ -83,6 +83,8 @@ def test_an_unknown_size_is_in_every_error_and_the_verdict_notes_it(alone: Poste
     assert unknown.radii.lines > known.radii.lines
     said = "The size of this scan is not known, and all errors allow for 4 % of it; "
     assert [each.startswith(said) for each in unknown.verdict.reasons].count(True) == 1
+    assert unknown.verdict.about.count("size") == 1
+    assert unknown.verdict.reasons[unknown.verdict.about.index("size")].startswith(said)
     assert known.verdict.reasons == tuple(each for each in unknown.verdict.reasons if not each.startswith(said))
     assert known.verdict.level == unknown.verdict.level
 

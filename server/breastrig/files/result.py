@@ -119,6 +119,9 @@ class ResultParameters(Document):
 class Verdict(Document):
     level: VerdictLevel
     reasons: tuple[str, ...] = Field(description="one sentence each, the strongest first; of a good fit notes")
+    about: tuple[Literal["", "lines", "size"], ...] = Field(
+        default=(), description="what each reason is about, in any language; empty in results of versions before"
+    )
 
 
 class DoubtedPick(BaseModel):

@@ -1950,6 +1950,8 @@ export type Verdict = {
   level: "good" | "uncalibrated" | "check" | "unusable";
   /** one sentence each, the strongest first; of a good fit notes */
   reasons: string[];
+  /** what each reason is about, in any language; empty in results of versions before */
+  about?: ("" | "lines" | "size")[];
 };
 
 /** What the dated scans of a patient say over time. */

@@ -5,6 +5,7 @@ import { marks as marksText } from "../landmarks/marks/text";
 import { isMark, markCalled } from "../landmarks/picks";
 import { pickCount } from "../landmarks/state";
 import { landmarks as landmarkText, proposals as proposalText } from "../landmarks/text";
+import { inStance } from "../scan/text";
 import { measuredFits } from "../stances/state";
 import { only } from "../store/store";
 import { button } from "../ui/controls";
@@ -31,7 +32,7 @@ function wording(next: NextStep, state: NextShown): string {
   if (next.kind === "print") return text.next.print;
   if (next.kind === "wait") return text.next.wait;
   if (next.kind === "draw") return next.isArmed ? text.next.drawing : text.next.draw;
-  if (next.kind === "add") return text.next.add(next.stance);
+  if (next.kind === "add") return text.next.add(inStance(next.stance));
   if (next.kind === "change over") return text.next.changeOver(next.to);
   return next.kind === "report" ? text.handover.print : "";
 }

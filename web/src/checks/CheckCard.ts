@@ -12,6 +12,7 @@ import { only } from "../store/store";
 import { button } from "../ui/controls";
 import { el, fill, setText, show } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
+import { keys } from "../ui/text";
 import type { CheckActions } from "./actions";
 import { type ChecksSlice, type Tour, type TourStep } from "./state";
 import * as text from "./text";
@@ -27,7 +28,7 @@ export function createCheckCard(actions: CheckActions): Panel<Shown> {
   const bars = el("div", { class: "check-bars", "aria-hidden": "true" });
   const progress = el("p", { class: "muted small" });
   const leave = button(words.leave, () => actions.leave(), "quiet small");
-  leave.append(el("kbd", { "aria-hidden": "true" }, "Esc"));
+  leave.append(el("kbd", { "aria-hidden": "true" }, keys.escape));
   const title = el("h2", { id: "check-title" });
   const question = el("p", {});
   const gain = el("div", { class: "check-gain" });
@@ -46,7 +47,7 @@ export function createCheckCard(actions: CheckActions): Panel<Shown> {
     if (step?.kind === "stance") return (["standing", "supine", "prone"] as const).map((stance) => button(words.stances[stance], () => actions.stance(stance), "outlined"));
     if (step?.kind !== "point") return [];
     const yes = button(words.yes, () => actions.yes(), "primary");
-    yes.append(el("kbd", { "aria-hidden": "true" }, "Enter"));
+    yes.append(el("kbd", { "aria-hidden": "true" }, keys.enter));
     yes.id = "check-yes";
     const canvas = (): HTMLElement | null => document.querySelector("canvas.view");
     const move = button(words.move, () => canvas()?.focus(), "outlined");

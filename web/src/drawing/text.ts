@@ -47,6 +47,9 @@ export const mirrored = {
 };
 
 export const canvas = {
+  undo: word("drawing.canvas.undo"),
+  redo: word("drawing.canvas.redo"),
+  colours: { black: word("drawing.canvas.colours.black"), red: word("drawing.canvas.colours.red"), blue: word("drawing.canvas.colours.blue"), green: word("drawing.canvas.colours.green"), orange: word("drawing.canvas.colours.orange"), white: word("drawing.canvas.colours.white") },
   open: word("drawing.canvas.open"),
   openHint: word("drawing.canvas.openHint"),
   done: word("drawing.canvas.done"),
@@ -159,7 +162,7 @@ export const drawing = {
     needsFit: word("drawing.pattern.needsFit"),
     mirror: word("drawing.pattern.mirror"),
     byItself: word("drawing.pattern.byItself"),
-    choices: { "": word("drawing.pattern.choices."), L: word("drawing.pattern.choices.L"), R: word("drawing.pattern.choices.R"), both: word("drawing.pattern.choices.both") } as Record<string, string>,
+    choices: { "": word("drawing.pattern.choices.none"), L: word("drawing.pattern.choices.L"), R: word("drawing.pattern.choices.R"), both: word("drawing.pattern.choices.both") } as Record<string, string>,
     range: (min: number, max: number, unit: string) => word("drawing.pattern.range", { min, max, unit }).trim(),
   },
   handles: {

@@ -4,7 +4,7 @@ import { ANY_FILE, button, fileButton } from "../ui/controls";
 import { el, fill, icon, setText, show } from "../ui/dom";
 import { fingersMark, fingersOf, wideOf } from "./fingers";
 import type { Outdated } from "./outdated";
-import { asksForLength, FAR_LINES, levelOf, marginOf, type linesOn } from "./verdict";
+import { asksForLength, levelOf, marginOf, type linesOn, otherReasons } from "./verdict";
 import * as text from "./text";
 
 const words = text.verdict;
@@ -45,7 +45,7 @@ export function createVerdictBox(ways: WaysOut | null) {
       setText(oldWords, why ? text.numbers.outdated[why] : "");
       show(verdict, (result !== null && asks.isKnown) || failed !== null); // what is asked comes a moment after the result: one verdict, not two
       const level = failed === null ? levelOf(result) : "unusable";
-      const reasons = failed === null ? (result?.verdict?.reasons ?? []).filter((reason) => lines === null || !reason.startsWith(FAR_LINES)) : [failed];
+      const reasons = failed !== null ? [failed] : result === null ? [] : lines === null ? (result.verdict?.reasons ?? []) : otherReasons(result);
       const mm = lines?.mm ?? null;
       verdict.classList.toggle("is-wrong", level === "unusable");
       fill(verdict, [level, reasons, mm, lines?.of, asks], () => {
@@ -59,7 +59,7 @@ export function createVerdictBox(ways: WaysOut | null) {
           said,
           ...(asks.outcome === "" ? [] : [el("p", { class: "verdict-outcome" }, asks.outcome)]),
           ...reasons.map((reason) => el("p", { class: "muted" }, reason)),
-          ...(ways && reasons.some(asksForLength) ? [button(words.giveLength, () => ways.giveLength(), "outlined")] : []),
+          ...(ways && result !== null && asksForLength(result) ? [button(words.giveLength, () => ways.giveLength(), "outlined")] : []),
         ];
       });
     },

@@ -1,6 +1,7 @@
 // How wide a line's band is, counted in fingers: one to 20 mm across, two to 40, three beyond.  A shape that is read without a
 // number, and never a colour.
 import type { Result } from "../api/types";
+import { capital } from "../languages/words";
 import { svg } from "../ui/dom";
 import { KNOWN_MM, marginOf } from "./verdict";
 import * as text from "./text";
@@ -22,7 +23,7 @@ export const saidWide = (mm: number | null): string => (fingersOf(mm) === null ?
 export function linesWords({ drawn_line_error_mm: drawn, line_error_mm: any }: Pick<Result, "drawn_line_error_mm" | "line_error_mm">): string {
   const said = drawn == null ? text.numbers.lines : text.numbers.drawnLines;
   const mm = drawn ?? any ?? null;
-  return mm === null ? "" : `${said.charAt(0).toUpperCase()}${said.slice(1)}: ${saidWide(mm)}.`;
+  return mm === null ? "" : `${capital(said)}: ${saidWide(mm)}.`;
 }
 
 /** So many bars; a hatched circle where it is not known. */

@@ -22,11 +22,11 @@ export interface WithLines {
   readonly drawn: { readonly onScan: { readonly plan: { readonly shapes: Drawn } } | null };
 }
 
-const SIZE_ASKED = ["The trunk is ", "The size of this scan is not known"]; // and that the scan may have no true scale
+/** Without what is said of the width of lines. */
+export const otherReasons = ({ verdict }: Pick<Result, "verdict">): string[] => (verdict?.reasons ?? []).filter((_, i) => verdict?.about?.[i] !== "lines");
 
-/** Whether a length that was measured on the patient would answer it. */
-export const asksForLength = (reason: string): boolean => SIZE_ASKED.some((words) => reason.startsWith(words));
-export const FAR_LINES = "Lines may be far off"; // how the service begins to say what the width of the lines says here
+/** Whether a length that was measured on the patient would answer a reason. */
+export const asksForLength = ({ verdict }: Pick<Result, "verdict">): boolean => verdict?.about?.includes("size") ?? false;
 
 /** How far off lines may be, across them: those that are drawn on this scan, else any on the breasts; null: not known. */
 export function linesOn({ fit, drawn }: WithLines): { readonly mm: number; readonly of: string } | null {

@@ -29,9 +29,11 @@ export function sideOf(name: string): Side {
   return name.endsWith("_L") ? "left" : name.endsWith("_R") ? "right" : "middle";
 }
 
+const SIDE = /[\s,(]*\b(?:(?:the\s+)?(?:patient['’]s\s+)?(?:left|right)(?:\s+side)?|(?:Patient\s+)?(?:links|rechts|(?:linke|rechte)[mnrs]?))\b\)?/i; // as the service says it in each language
+
 /** The label without its side, which a mark beside it says louder. */
 export function plainLabel(label: string): string {
-  const plain = label.replace(/[\s,(]*\b(the\s+)?(patient['’]s\s+)?(left|right)\b(\s+side)?\)?/i, "").trim();
+  const plain = label.replace(SIDE, "").trim();
   return plain === "" ? label : plain.charAt(0).toUpperCase() + plain.slice(1);
 }
 

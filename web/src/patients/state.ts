@@ -1,5 +1,6 @@
 // The patients to work through, under codes, as the service pages them.
 import type { Patient } from "../api/types";
+import { inStance } from "../scan/text";
 import * as text from "./text";
 
 export type Order = "newest" | "code" | "deletion";
@@ -49,7 +50,7 @@ export function plannedLine({ planned }: Pick<Patient, "planned">, patterns: rea
 
 /** The least sure of the patient's scans: its line error and what is to be done about it; `fit`: that may have points to check. */
 export function sureness({ scans }: Pick<Patient, "scans">, points: PatientsState["points"] = {}): { readonly mm: number | null; readonly isKnown: boolean; readonly says: string; readonly fit: string | null } {
-  const fits = scans.flatMap(({ fit, stance, kind }) => (fit?.state === "done" ? [{ ...fit, on: kind === "image" ? text.home.image : stance }] : []));
+  const fits = scans.flatMap(({ fit, stance, kind }) => (fit?.state === "done" ? [{ ...fit, on: kind === "image" ? text.home.onImage : inStance(stance) }] : []));
   const running = scans.some(({ fit }) => fit?.state === "queued" || fit?.state === "running");
   if (fits.length === 0) return { mm: null, isKnown: false, fit: null, says: running ? text.home.fitting : text.home.notFitted };
   const [worst] = [...fits].sort((a, b) => (b.line_error_mm ?? Infinity) - (a.line_error_mm ?? Infinity));

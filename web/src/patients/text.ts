@@ -21,6 +21,7 @@ export const home = {
   more: word("patients.home.more"),
   more1: (code: string) => word("patients.home.more1", { code }),
   image: word("patients.home.image"),
+  onImage: word("patients.home.onImage"),
   lines: (count: number) => word("patients.home.lines", { count }),
   lesions: (count: number) => word("patients.home.lesions", { count }),
   nothing: word("patients.home.nothing"),

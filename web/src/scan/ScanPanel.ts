@@ -1,4 +1,5 @@
 // Details of the scan: what the service read and why; what is cut away.  What is asked about it stands apart.
+import { inSentence } from "../languages/words";
 import type { PageSlice } from "../store/page";
 import { problem, row } from "../ui/controls";
 import { el, fill } from "../ui/dom";
@@ -11,7 +12,6 @@ import { createCropRow } from "./cropping/CropRow";
 import type { ScanSlice } from "./state";
 import * as text from "./text";
 
-const inSentence = (words: string): string => words.charAt(0).toLowerCase() + words.slice(1);
 
 type Shown = Pick<ScanSlice & PageSlice, "scan" | "lesionFiles" | "isCropping" | "problems"> & { readonly isUntouched: boolean };
 

@@ -22,6 +22,15 @@ export const crop = {
   nothingLeft: word("scan.crop.nothingLeft"),
 };
 
+const labels: Readonly<Record<string, string>> = { standing: word("scan.stanceNames.standing"), supine: word("scan.stanceNames.supine"), prone: word("scan.stanceNames.prone") };
+const spoken: Readonly<Record<string, string>> = { standing: word("scan.inStance.standing"), supine: word("scan.inStance.supine"), prone: word("scan.inStance.prone") };
+
+/** "Supine": as a label. */
+export const stanceLabel = (stance: string): string => labels[stance] ?? stance;
+
+/** "supine", as it stands beside "scan" in a sentence; in German "in Rückenlage", after it. */
+export const inStance = (stance: string): string => spoken[stance] ?? stance;
+
 /** What a scan that came as a file is called: its own name may hold a patient's. */
 export const uploaded = word("scan.uploaded");
 

@@ -2,6 +2,7 @@
 import type { DrawingSlice } from "../drawing/state";
 import type { FitSlice } from "../fit/state";
 import type { ScanSlice } from "../scan/state";
+import { inStance } from "../scan/text";
 import type { PageSlice } from "../store/page";
 import { only } from "../store/store";
 import { button, problem } from "../ui/controls";
@@ -46,7 +47,7 @@ export function createDrawingCarry(stances: StancesActions): Panel<Shown> {
       notes.bridged > 0 ? words.bridged(notes.bridged, notes.points) : "",
       ...new Set(untold),
     ];
-    const says = isPredicted(other) ? words.donePredicted(stanceOf(other)) : words.done(goals);
+    const says = isPredicted(other) ? words.donePredicted(inStance(stanceOf(other))) : words.done(goals);
     return { says, note: said.filter((each) => each !== "").join(" ") };
   }
 

@@ -4,6 +4,7 @@ import type { DrawingSlice } from "../drawing/state";
 import type { FitSlice } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import type { ScanSlice } from "../scan/state";
+import { inStance } from "../scan/text";
 import { only } from "../store/store";
 import { button } from "../ui/controls";
 import { el, setText, show } from "../ui/dom";
@@ -50,7 +51,7 @@ export function createOtherPane(stances: StancesActions): Panel<Shown> & { capti
       sureness.mine.update(state);
       show(lost, state.otherGraphics === "lost");
       if (!isShown) return;
-      setText(name, words.here(isPredicted(state.stances.other!) ? stanceOf(state.stances.other!) : other));
+      setText(name, words.here(isPredicted(state.stances.other!) ? inStance(stanceOf(state.stances.other!)) : other));
       show(following, state.stances.isCarrying);
       sureness.its.update(state.stances.other!);
       made.update(state.stances);

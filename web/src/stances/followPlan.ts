@@ -4,7 +4,6 @@ import { laidOnScan, type OnScan } from "../drawing/state";
 import type { PlanActions } from "../plan/actions";
 import { only, type Store } from "../store/store";
 import { type AskedPair, isPredicted, isSamePair, type PatientScan, stanceNames, type StancesSlice, type Workspace, workspaceOf } from "./state";
-import * as text from "./text";
 
 export const CALM_MS = 300; // after the last stroke
 
@@ -80,7 +79,7 @@ export function followPlan<Whole extends State>(store: Store<Whole>, client: Pic
     try {
       await others.flush();
       await others.plan.settled();
-      for (const [to, from, name] of pairs(store.get())) if (isOld(to, from)) await lay(to, from, furtherOf(store.get()).length > 0 ? text.stances.carry.others : name);
+      for (const [to, from, name] of pairs(store.get())) if (isOld(to, from)) await lay(to, from, furtherOf(store.get()).length > 0 ? "" : name);
     } catch (error) {
       others.fail(error);
     } finally {

@@ -4,6 +4,7 @@ import { type DrawingSlice, handsOff, startDrawn } from "../drawing/state";
 import type { FitSlice, FitState } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
 import { isVolume, type ScanSlice } from "../scan/state";
+import { inStance } from "../scan/text";
 import { startHistory } from "../store/history";
 import type { PageSlice } from "../store/page";
 import type { ViewSlice } from "../viewer/state";
@@ -98,7 +99,7 @@ export function unscanned(state: Pick<Stances, "scan" | "stance" | "fit" | "stan
 /** What the two are called, the one that the page works on first; two of a kind are numbered as they stand. */
 export function stanceNames(state: Pick<Stances, "scan" | "stance" | "fit" | "stances">): [string, string] {
   const { other, isSecond } = state.stances;
-  const [mine, its] = [stanceOf(state), other ? text.stances.called(stanceOf(other), isPredicted(other)) : ""];
+  const [mine, its] = [inStance(stanceOf(state)), other ? text.stances.called(inStance(stanceOf(other)), isPredicted(other)) : ""];
   if (mine !== its) return [mine, its];
   return isSecond ? [`${mine} 2`, `${its} 1`] : [`${mine} 1`, `${its} 2`];
 }

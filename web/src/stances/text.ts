@@ -1,10 +1,10 @@
 // Two stances of one patient: the second scan, the two panes, the drawing in both, the table of measures.
 import { capital, listed, word } from "../languages/words";
+import { inStance, stanceLabel } from "../scan/text";
 
 export const strip = {
   label: word("stances.strip.label"),
   today: word("stances.strip.today"),
-  name: capital,
   image: word("stances.strip.image"),
   predicted: word("stances.strip.predicted"),
   lines: (wide: string) => word("stances.strip.lines", { wide }),
@@ -27,11 +27,11 @@ export const stances = {
     sure: (lines: string, wide: string) => word("stances.predicted.sure", { lines: capital(lines), wide }),
     offer: word("stances.predicted.offer"),
     offerWhat: word("stances.predicted.offerWhat"),
-    predict: (stance: string) => word("stances.predicted.predict", { stance }),
+    predict: (stance: string) => word("stances.predicted.predict", { stance: inStance(stance) }),
     needsFit: word("stances.predicted.needsFit"),
-    busy: (stance: string) => word("stances.predicted.busy", { stance }),
+    busy: (stance: string) => word("stances.predicted.busy", { stance: inStance(stance) }),
     gone: word("stances.predicted.gone"),
-    announce: (stance: string) => word("stances.predicted.announce", { stance }),
+    announce: (stance: string) => word("stances.predicted.announce", { stance: inStance(stance) }),
   },
 
   dialog: {
@@ -44,7 +44,7 @@ export const stances = {
     find: word("stances.dialog.find"),
     nobody: (code: string) => word("stances.dialog.nobody", { code }),
     moves: (code: string, there: string) => word("stances.dialog.moves", { there, code }),
-    at: (stance: string, when: string) => word("stances.dialog.at", { stance: capital(stance), when }),
+    at: (stance: string, when: string) => word("stances.dialog.at", { stance: stanceLabel(stance), when }),
     busy: word("stances.dialog.busy"),
   },
 
@@ -52,7 +52,6 @@ export const stances = {
     title: word("stances.carry.title"),
     needsFits: (names: string) => word("stances.carry.needsFits", { names }),
     needsLines: word("stances.carry.needsLines"),
-    others: word("stances.carry.others"),
     busy: word("stances.carry.busy"),
     done: (names: readonly string[]) => word("stances.carry.done", { count: names.length, names: listed(names) }),
     donePredicted: (name: string) => word("stances.carry.donePredicted", { name }),

@@ -2,6 +2,7 @@
 // Not type=number: an English browser drops a typed comma there, and 4,5 becomes 45.
 import { el, setText, show } from "./dom";
 import { numberField as words } from "./text";
+import { formatUpTo } from "./units";
 
 export interface Range {
   readonly label: string;
@@ -10,14 +11,15 @@ export interface Range {
   readonly max: number | null;
 }
 
+const THOUSANDS = /^[-+]?[1-9]\d{0,2}[.,]\d{3}$/; // 1.234 and 1,234: a thousand to one reader, decimals to another, whatever the page's language
 const HOUR = /^(\d{1,2})[:.h]([0-5]\d)$/;
 
 /** The number that is written; a sentence for what is none, may be read in two ways, or is out of range. */
 export function readNumber(written: string, range: Range): number | string {
-  const text = written.trim().replace("\u2212", "-").replace(range.unit === "cm" ? /\s*cm$/ : /\s*(mm|°|o'clock)$/, "").replace(/\s*½$/, ".5");
+  const text = written.trim().replace("\u2212", "-").replace(range.unit === "cm" ? /\s*cm$/ : /\s*(mm|°|o'clock|Uhr)$/, "").replace(/\s*½$/, ".5");
   const time = range.unit === "h" && text.includes(":") ? HOUR.exec(text) : null;
   if (time) return within(Math.round((Number(time[1]) + Number(time[2]) / 60) * 100) / 100, range);
-  if (/[.,].*[.,]/.test(text) || /^-?[1-9]\d{0,2},\d{3}$/.test(text)) return words.unclear(range.label, written.trim());
+  if (/[.,].*[.,]/.test(text) || THOUSANDS.test(text)) return words.unclear(range.label, written.trim());
   if (!/^[-+]?(\d+([.,]\d*)?|[.,]\d+)$/.test(text)) return words.none(range.label, written.trim(), range.unit === "h");
   return within(Number(text.replace(",", ".")), range);
 }
@@ -28,7 +30,7 @@ function within(value: number, { label, unit, min, max }: Range): number | strin
 
 /** As people read it: an hour of the clock as a time, all else with as many decimals as it has, two at most. */
 export function writtenNumber(value: number, unit: string): string {
-  if (unit !== "h") return String(Math.round(value * 100) / 100);
+  if (unit !== "h") return formatUpTo(Math.round(value * 100) / 100, 2);
   const minutes = Math.round(60 * value);
   return minutes % 60 === 0 ? String(minutes / 60) : `${Math.floor(minutes / 60)}:${String(minutes % 60).padStart(2, "0")}`;
 }

@@ -10,6 +10,7 @@ export const noticeLong =
   word("ui.noticeLong");
 export const dismiss = word("ui.dismiss");
 export const close = word("ui.close");
+export const keys = { enter: word("ui.keys.enter"), escape: word("ui.keys.escape") };
 
 export const numberField = {
   units: { mm: "mm", cm: "cm", deg: "°", h: word("ui.numberField.units.h") } as Record<string, string>,

@@ -1,6 +1,6 @@
 // The only place where metres become millimetres, and numbers become text.
 import type { Unit } from "../api/types";
-import { locale } from "../languages/words";
+import { locale, word } from "../languages/words";
 
 const MM_IN: Record<Unit, number> = { m: 1000, dm: 100, cm: 10, mm: 1, in: 25.4, ft: 304.8 };
 
@@ -11,13 +11,13 @@ export const toUnit = (mm: number, unit: Unit): number => mm / MM_IN[unit];
 export const isUnit = (text: unknown): text is Unit => typeof text === "string" && Object.hasOwn(MM_IN, text);
 
 /** Of a file that names none of these. */
-export const unknownUnit = (unit: unknown): string => `The unit “${typeof unit === "string" ? unit : JSON.stringify(unit)}” is not known: use m, dm, cm, mm, in or ft.`;
+export const unknownUnit = (unit: unknown): string => word("ui.unknownUnit", { unit: typeof unit === "string" ? unit : JSON.stringify(unit) });
 
 const formats = new Map<string, Intl.NumberFormat>();
 
 function format(value: number, most: number, least: number, isGrouped = false): string {
   const key = `${locale()} ${most} ${least} ${isGrouped}`;
-  const made = formats.get(key) ?? new Intl.NumberFormat(locale(), { maximumFractionDigits: most, minimumFractionDigits: least, useGrouping: isGrouped });
+  const made = formats.get(key) ?? new Intl.NumberFormat(locale(), { maximumFractionDigits: most, minimumFractionDigits: least, useGrouping: isGrouped, signDisplay: "negative" });
   formats.set(key, made);
   return made.format(value);
 }

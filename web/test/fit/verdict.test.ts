@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { asksForLength, linesOn } from "../../src/fit/verdict";
+import { asksForLength, linesOn, otherReasons } from "../../src/fit/verdict";
 
 const on = (shapes: { kind: string; line_error_mm: number | null }[]) => linesOn({ fit: { result: { line_error_mm: 20 }, drawing: null }, drawn: { onScan: { plan: { shapes } } } });
 
@@ -10,6 +10,9 @@ test("the number is that of the lines as soon as there are lines, and says so; a
 });
 
 test("a size that is not known, or unlikely, asks for a length", () => {
-  const reasons = ["The trunk is 20 % larger than most women's.", "The size of this scan is not known, and all errors allow for 4 % of it.", "Lines may be far off."];
-  expect(reasons.map(asksForLength)).toEqual([true, true, false]);
+  const verdict = { level: "check" as const, reasons: ["Linien können weit daneben liegen.", "Der Rumpf ist 20 % größer."], about: ["lines", "size"] as ("lines" | "size")[] }; // in whatever language
+  expect(asksForLength({ verdict })).toBe(true);
+  expect(otherReasons({ verdict })).toEqual(["Der Rumpf ist 20 % größer."]);
+  expect(asksForLength({ verdict: { ...verdict, about: ["lines", ""] } })).toBe(false);
+  expect(otherReasons({ verdict: { level: "check", reasons: ["a"] } as never }), "of a version before").toEqual(["a"]);
 });

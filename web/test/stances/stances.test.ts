@@ -306,7 +306,7 @@ test("what was planned on a fitted scan that is not on the page is laid on the o
   store.set({ fit: done("f1") });
   await vi.advanceTimersByTimeAsync(2000);
   expect(planOnFit).toHaveBeenCalledTimes(1);
-  expect(store.get().drawn.onScan).toMatchObject({ from: "the patient's other scans", carried: { shapes: [{ name: "Line 1" }, { name: "tumour_L" }] } });
+  expect(store.get().drawn.onScan).toMatchObject({ from: "", carried: { shapes: [{ name: "Line 1" }, { name: "tumour_L" }] } });
 });
 
 test("only the patient's own scans are offered, and others by their code, typed whole", async () => {

@@ -1,4 +1,5 @@
 import { expect, test, vi } from "vitest";
+import { inLanguage } from "../english";
 import { numberField, readNumber, writtenNumber } from "../../src/ui/NumberField";
 
 const mm = { label: "From the nipple", unit: "mm", min: 0, max: 200 };
@@ -10,10 +11,14 @@ test.each([
   ["43,5", 43.5],
   [" 45 mm", 45],
   [",5", 0.5],
-  ["12.345", 12.345],
+  ["12.34", 12.34],
+  ["0.125", 0.125],
+  ["0,125", 0.125],
+  ["12.3456", 12.3456],
 ])("%s mm is %d", (written, value) => expect(readNumber(written, mm)).toBe(value));
 
-test.each(["1,234.5", "1.234,5", "1,234", "1.2.3"])("%s can be read in two ways", (written) => expect(readNumber(written, mm)).toContain("two ways"));
+// Neither a thousand nor decimals is guessed, in any language: both mistakes are large, and the number is typed again at once.
+test.each(["1,234.5", "1.234,5", "1,234", "1.234", "12.345", "-1.234", "1.2.3"])("%s can be read in two ways", (written) => expect(readNumber(written, mm)).toContain("two ways"));
 
 test.each([
   ["abc", "is no number"],
@@ -41,6 +46,16 @@ test("a number is written as it is read again", () => {
   expect([41.999999, 0, -3.5, 1 / 3].map((value) => writtenNumber(value, "mm"))).toEqual(["42", "0", "-3.5", "0.33"]);
   for (const value of [10.5, 12.33, 0.5]) expect(readNumber(writtenNumber(value, "h"), hour)).toBe(value);
 });
+
+test("in German a number has a comma, is read again as it is written, and an hour may be said by its word", () =>
+  inLanguage("de", () => {
+    expect([3.5, 1 / 3, -0.004, 1234.5].map((value) => writtenNumber(value, "mm"))).toEqual(["3,5", "0,33", "0", "1234,5"]);
+    for (const value of [3.5, 1234.5, 0.25]) expect(readNumber(writtenNumber(value, "mm"), { ...mm, max: 2000 })).toBe(value);
+    expect(writtenNumber(10.5, "h")).toBe("10:30");
+    expect([readNumber("10:30", hour), readNumber("2 Uhr", hour), readNumber("2 o'clock", hour)]).toEqual([10.5, 2, 2]);
+    expect(readNumber("1.234", mm)).toContain("auf zwei Arten");
+    expect(readNumber("201,5", mm)).toBe("From the nipple muss zwischen 0 und 200 mm liegen.");
+  }));
 
 /** As much of an element as a field needs. */
 class Fake {

@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import { inLanguage } from "../english";
 import { formatCount, formatMm, formatPercent, formatSeconds, mmFrom, mmFromMetres, toUnit } from "../../src/ui/units";
 
 test("every unit becomes millimetres and back", () => {
@@ -19,3 +20,8 @@ test("numbers are written as people read them, and unknown ones as a dash", () =
   expect(formatPercent(0.964)).toBe("96");
   expect(formatCount(61784)).toBe("61,784");
 });
+
+test("German writes decimals with a comma and thousands with a point", () =>
+  inLanguage("de", () => {
+    expect([formatMm(1.234), formatMm(0.042), formatMm(-0.001), formatSeconds(12.34), formatCount(61784), formatMm(1234.5)]).toEqual(["1,2", "0,04", "0,00", "12,3", "61.784", "1234,5"]);
+  }));

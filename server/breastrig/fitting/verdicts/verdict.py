@@ -82,6 +82,7 @@ def times_larger(
 
 
 Level = Literal["good", "uncalibrated", "check", "unusable"]
+About = Literal["", "lines", "size"]  # the width of lines; the size of the scan, which a measured length would answer
 UNKNOWN_MODEL = Reason(
     f"{NOT_CALIBRATED}: nobody has measured what its right fits look like", ("judge this one by eye",)
 )
@@ -94,6 +95,7 @@ LOOK_CLOSELY = "look at it closely"
 FAR = "With what is far from the breasts: "
 SIZE = "The trunk is {:.0f} % {} than most women's: the patient may be {}, or the scan without a true scale"
 UNKNOWN = "The size of this scan is not known, and all errors allow for {:.0f} % of it"
+SIZES = (SIZE.partition("{")[0], UNKNOWN.partition(",")[0])  # how they begin
 MEASURE_ANY = "measure a straight length on the patient, and give it as the true size"
 MEASURE = (
     "measure on the patient the straight way from {} to {}, {:.0f} cm in this scan, "
@@ -152,6 +154,14 @@ class Verdict:
     level: Level
     reasons: tuple[str, ...]  # sentences, the strongest first; of a good one notes alone
     is_torso: bool = True  # False: certainly none
+
+    @property
+    def about(self) -> tuple[About, ...]:
+        """What each reason is about, for programs that do more than show it."""
+        return tuple(
+            "lines" if reason.startswith(FAR_LINES) else "size" if reason.startswith(SIZES) else ""
+            for reason in self.reasons
+        )
 
     def refusal(self, name: str, given: GivenLandmarks, *, unusual_size: bool = False) -> str:
         """One sentence, for what is certainly not what the rig of this name shows; its unit may be wrong."""

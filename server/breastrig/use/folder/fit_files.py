@@ -125,7 +125,7 @@ def result_of(outcome: FitOutcome) -> ResultFile:
         refined=plan.settings.refine,
         converged=last.status is Status.CONVERGED,
         stop_reason=last.status.value,
-        verdict=Verdict(level=outcome.verdict.level, reasons=outcome.verdict.reasons),
+        verdict=Verdict(level=outcome.verdict.level, reasons=outcome.verdict.reasons, about=outcome.verdict.about),
         iterations=last.iteration,
         timing_s={name: round(seconds, 4) for name, seconds in outcome.timing_s.items()},
         **_distances(outcome.distances, model_landmarks, plan.landmarks),

@@ -5,6 +5,7 @@ import { outdated } from "../../fit/outdated";
 import { levelOf } from "../../fit/verdict";
 import { isSizeLast, isSizeNext } from "../../landmarks/size/ruler";
 import { size } from "../../landmarks/size/text";
+import { changeLanguage, otherLanguages } from "../../languages/language";
 import { picksSaid } from "../../landmarks/text";
 import { dayName, isToday } from "../../stances/Strip";
 import type { Step, Theme } from "../../store/page";
@@ -61,11 +62,16 @@ export function createTopBar(actions: Actions): Panel<Shown> {
   const theme = menuItem("", "", () => actions.page.nextTheme());
   const fits = menuItem("", words.fitsAtOnceHint, () => actions.bring.chooseFitsAtOnce(!(shown?.fitsAtOnce ?? true)));
   const leave = menuItem(words.signOut, "", () => void actions.signOut());
+  const languages = otherLanguages().map(({ language, name: called }) => {
+    const item = menuItem(called, "", () => changeLanguage(language));
+    item.lang = language;
+    return item;
+  });
   const ofScan = [
     menuItem(words.picture, words.pictureHint, () => void actions.files.save()),
     menuItem(words.remove, "", () => actions.deletion.ask(true)),
   ];
-  const menu = createMenu("page-menu", "\u2022\u2022\u2022", words.menu, "icon-only", ...ofScan, fits, theme, menuItem(words.help, words.helpHint, () => actions.page.help(true)), leave);
+  const menu = createMenu("page-menu", "\u2022\u2022\u2022", words.menu, "icon-only", ...ofScan, fits, theme, ...languages, menuItem(words.help, words.helpHint, () => actions.page.help(true)), leave);
   const element = el("header", { class: "top-bar" }, home, title, about, nav, el("span", { class: "top-end" }, undo, redo, saved, menu.element));
   menu.card.addEventListener("click", ({ target }) => target !== menu.card && ![theme, fits].some((each) => each.contains(target as Node)) && menu.close());
   let shown: Shown | null = null;

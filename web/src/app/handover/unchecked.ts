@@ -3,6 +3,8 @@ import { asksOf } from "../../checks/state";
 import { wideOf } from "../../fit/fingers";
 import { isUnusable } from "../../fit/state";
 import { levelOf, linesOn } from "../../fit/verdict";
+import { capital } from "../../languages/words";
+import { inStance } from "../../scan/text";
 import { isPredicted, otherState, stanceNames, stanceOf } from "../../stances/state";
 import { foundInk, type NextShown } from "../nextStep";
 import { handover as words } from "../text";
@@ -16,13 +18,11 @@ export interface Unchecked {
 
 type Shown = NextShown & Parameters<typeof otherState>[0];
 
-const CAPITAL = (name: string): string => `${name.charAt(0).toUpperCase()}${name.slice(1)}`;
-
 export function uncheckedOf(state: Shown): readonly Unchecked[] {
   const [mine, its] = stanceNames(state);
   const there = otherState(state) as Shown | null;
   const stance = (of: Shown, name: string, isOther: boolean): Unchecked[] => {
-    const says = (sentence: string, way: Unchecked["way"], isReady = false): Unchecked => ({ says: `${CAPITAL(name)}: ${sentence}`, isReady, way, isOther });
+    const says = (sentence: string, way: Unchecked["way"], isReady = false): Unchecked => ({ says: `${capital(name)}: ${sentence}`, isReady, way, isOther });
     if (isPredicted(of)) return [says(words.predicted, "scan")];
     if (of.fit?.state !== "done") return [says(words.notFitted, "points")];
     if (isUnusable(of)) return [says(words.unusable, "points")];
@@ -38,8 +38,8 @@ export function uncheckedOf(state: Shown): readonly Unchecked[] {
   };
   const ink = foundInk({ ...state, step: "handover" });
   return [
-    ...stance(state, mine === "" ? stanceOf(state) : mine, false),
-    ...(there ? stance(there, its.replace(/, predicted$/, ""), true) : []),
+    ...stance(state, mine, false),
+    ...(there ? stance(there, isPredicted(there) ? inStance(stanceOf(there)) : its, true) : []),
     ...(ink?.kind === "ink" ? [{ says: words.ink(ink.count), isReady: false, way: "plan", isOther: ink.on !== null } as const] : []),
   ];
 }

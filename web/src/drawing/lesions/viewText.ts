@@ -3,12 +3,14 @@ import { word } from "../../languages/words";
 import { formatMmWhole } from "../../ui/units";
 import { drawing } from "../text";
 
+const fromNipple = new RegExp(`${word("drawing.lesions.lesionView.fromNipple")}$`); // as the service ends its sentence
+
 export const lesionView = {
   to: ({ kind, to, seen }: { kind: string; to: string; seen?: boolean }) => ({ nipple: word("drawing.lesions.lesionView.toNipple"), chest_wall: word(seen ? "drawing.lesions.lesionView.toWallSeen" : "drawing.lesions.lesionView.toWall"), line: word("drawing.lesions.lesionView.toLine", { line: drawing.shapeName(to) }) })[kind] ?? to,
   banded: ({ mm, low_mm: low, high_mm: high }: { mm: number; low_mm: number | null; high_mm: number | null }) => (low === null || high === null ? word("drawing.lesions.lesionView.plain", { mm: formatMmWhole(mm) }) : word("drawing.lesions.lesionView.banded", { mm: formatMmWhole(mm), low: formatMmWhole(low), high: formatMmWhole(high) })),
   place: word("drawing.lesions.lesionView.place"),
   clock: word("drawing.lesions.lesionView.clock"),
-  byClock: (text: string) => text.replace(/ from the nipple$/, ""), // which stands above it
+  byClock: (text: string) => text.replace(fromNipple, ""), // which stands above it
   name: word("drawing.lesions.lesionView.name"),
   radiology: word("drawing.lesions.lesionView.radiology"),
   radiologyHint: word("drawing.lesions.lesionView.radiologyHint"),

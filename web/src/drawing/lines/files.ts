@@ -1,5 +1,6 @@
 // The own drawing as breastrig/drawing@1: what the service keeps, and what is read and written as a file here.
 import type { OwnDrawing, Unit, Vector } from "../../api/types";
+import { word } from "../../languages/words";
 import { isUnit, mmFrom, unknownUnit } from "../../ui/units";
 import { lineAlong } from "./edits";
 import { freeName, INK, type OwnLine } from "./lines";
@@ -45,7 +46,7 @@ export const isAnothers = (file: Whose, patient: string, scan: string): boolean 
 function checkedPoint(point: unknown, name: string, unit: Unit): Vector {
   const numbers = Array.isArray(point) ? point : [];
   if (numbers.length !== 3 || !numbers.every((value) => typeof value === "number" && Number.isFinite(value))) {
-    throw new UnreadableDrawing(`A point of the line “${name}” is not three numbers, x, y and z.`);
+    throw new UnreadableDrawing(word("drawing.unreadable.point", { name }));
   }
   return numbers.map((value: number) => mmFrom(value, unit)) as Vector;
 }
@@ -56,21 +57,21 @@ export function readDrawing(text: string, scanUnit: Unit): OwnLine[] {
   try {
     file = JSON.parse(text) as typeof file;
   } catch {
-    throw new UnreadableDrawing("The file is not valid JSON: export the drawing again.");
+    throw new UnreadableDrawing(word("drawing.unreadable.json"));
   }
   const unit = file?.unit ?? scanUnit;
   if (!isUnit(unit)) throw new UnreadableDrawing(unknownUnit(unit));
-  if (!Array.isArray(file?.shapes)) throw new UnreadableDrawing("The file holds no “shapes”: choose a drawing of BreastRig, such as drawing.json.");
+  if (!Array.isArray(file?.shapes)) throw new UnreadableDrawing(word("drawing.unreadable.shapes"));
   const lines: OwnLine[] = [];
   for (const shape of file.shapes as Record<string, unknown>[]) {
-    const name = typeof shape.name === "string" && shape.name.trim() !== "" ? shape.name.trim().slice(0, LONGEST_NAME) : "Line";
+    const name = typeof shape.name === "string" && shape.name.trim() !== "" ? shape.name.trim().slice(0, LONGEST_NAME) : word("drawing.stem");
     if (!Array.isArray(shape.points)) {
-      throw new UnreadableDrawing(`The line “${name}” has no points on a scan: a drawing of the model is shown by choosing it in a fit.`);
+      throw new UnreadableDrawing(word("drawing.unreadable.points", { name }));
     }
     const points = shape.points.map((point) => checkedPoint(point, name, unit));
     const color = typeof shape.color === "string" && /^#[0-9a-fA-F]{6}$/.test(shape.color) ? shape.color : INK;
     if (points.length > 1) lines.push(lineAlong(freeName(lines, name), color, points, shape.closed === true, Array.isArray(shape.bridged) ? shape.bridged.map((each) => each === true) : null));
   }
-  if (lines.length === 0) throw new UnreadableDrawing("The file holds no lines.");
+  if (lines.length === 0) throw new UnreadableDrawing(word("drawing.unreadable.none"));
   return lines;
 }

@@ -4,6 +4,8 @@ import { drawingLabels, readRequest, TUMOUR } from "../../fit/requestedDrawing";
 import { type FitSlice, type FitState, isUnusable, modelOf } from "../../fit/state";
 import { lineErrorOf, marginOf } from "../../fit/verdict";
 import { sideOf } from "../../landmarks/picks";
+import { inStance } from "../../scan/text";
+import { capital } from "../../languages/words";
 import type { PageSlice } from "../../store/page";
 import type { LaidLesion } from "../lesions/lesions";
 import { lengthOf, ownColour, type OwnLine } from "../lines/lines";
@@ -26,7 +28,7 @@ export function planScans({ scan, fit, stances: { other, scans, asked } }: Pick<
   if (asked.length > 0) return [];
   const here = new Map([[scan?.info.id, fit], [other?.scan?.info.id, other?.fit ?? null]]);
   const isFitted = ({ id, fit: kept }: (typeof scans)[number]): boolean => (here.has(id) ? here.get(id)?.state === "done" && !isUnusable({ fit: here.get(id)! }) : kept?.state === "done" && kept.verdict !== "unusable");
-  return scans.filter(isFitted).map(({ kind, stance }) => (kind === "image" ? words.image : stance));
+  return scans.filter(isFitted).map(({ kind, stance }) => (kind === "image" ? words.image : inStance(stance)));
 }
 
 /** One line on the body, for its row of on and off. */
@@ -127,8 +129,6 @@ export function chosenRow(rows: readonly PlanRow[], { lesion, drawn, item }: Pic
   const wanted = lesion !== null ? itemKey.lesion(lesion) : drawn.chosen !== null ? itemKey.line(drawn.chosen) : item;
   return rows.find(({ key }) => key === wanted) ?? (wanted === null ? (rows.find(({ kind }) => kind === "pattern") ?? null) : null);
 }
-
-const capital = (label: string): string => label.charAt(0).toUpperCase() + label.slice(1);
 
 /** What the service or the model's file calls a line; its name in words where that says no more than its name does. */
 function lineLabel(state: Pick<Shown, "fit" | "models" | "meta">, { name, label = "", kind }: Shape): string {

@@ -21,7 +21,8 @@ export const planPanel = {
   ring: word("drawing.panel.planPanel.ring"),
   deep: (value: number) => word("drawing.panel.planPanel.deep", { value: mm(value) }),
   across: (value: number) => word("drawing.panel.planPanel.across", { value: mm(value) }),
-  from: (stance: string) => word("drawing.panel.planPanel.from", { stance }),
+  /** of "": of more than one other scan */
+  from: (stance: string) => (stance === "" ? word("drawing.panel.planPanel.fromOthers") : word("drawing.panel.planPanel.from", { stance })),
   given: word("drawing.panel.planPanel.given"),
   mirrored: word("drawing.panel.planPanel.mirrored"),
   carried: word("drawing.panel.planPanel.carried"),
@@ -52,7 +53,7 @@ export const planPanel = {
   showShort: word("drawing.panel.planPanel.showShort"),
   lines: (count: number) => word("drawing.panel.planPanel.lines", { count }),
   remove: (name: string) => word("drawing.panel.planPanel.remove", { name }),
-  elsewhere: (from: string) => word("drawing.panel.planPanel.elsewhere", { from }),
+  elsewhere: (from: string) => (from === "" ? word("drawing.panel.planPanel.elsewhereOthers") : word("drawing.panel.planPanel.elsewhere", { from })),
   numberOf: (label: string, side: string) => (side === "" ? label : `${label}, ${side}`),
   more: (parts: readonly string[]) => parts.join(", "),
   parts: { side: word("drawing.panel.planPanel.parts.side"), angles: word("drawing.panel.planPanel.parts.angles"), position: word("drawing.panel.planPanel.parts.position"), fold: word("drawing.panel.planPanel.parts.fold") },

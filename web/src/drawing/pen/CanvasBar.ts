@@ -7,6 +7,7 @@ import { problem } from "../../ui/controls";
 import { el, fill, icon, type IconName, setText, show } from "../../ui/dom";
 import type { Panel } from "../../ui/Panel";
 import { notice } from "../../ui/text";
+import { formatFixed } from "../../ui/units";
 import type { ViewName } from "../../viewer/state";
 import { view as viewText } from "../../viewer/text";
 import type { DrawingActions } from "../actions";
@@ -30,8 +31,8 @@ function tool(picture: IconName | null, label: string, hint: string, pressed: ()
 export function createCanvasBar(drawing: DrawingActions, lookFrom: (view: ViewName) => void, dismiss: () => void): Panel<Shown> {
   let state: Shown | null = null;
   const tools = TOOLS.map((name) => ({ name, button: tool(PICTURES[name], text.drawing.toolNames[name], text.drawing.toolHints[name], () => drawing.take(name)) }));
-  const undo = tool("undo", "Undo", text.drawing.undo, () => drawing.undo());
-  const redo = tool("redo", "Redo", text.drawing.redo, () => drawing.redo());
+  const undo = tool("undo", words.undo, text.drawing.undo, () => drawing.undo());
+  const redo = tool("redo", words.redo, text.drawing.redo, () => drawing.redo());
   const fingers = tool("finger", words.fingers, words.fingersHint, () => drawing.drawWithFingers(!state?.fingersDraw));
   const views = VIEWS.map((name) => tool(null, viewText.names[name], viewText.hints[name], () => lookFrom(name)));
   const done = tool("check", words.done, words.doneHint, () => drawing.fullCanvas(false));
@@ -90,7 +91,7 @@ export function createCanvasBar(drawing: DrawingActions, lookFrom: (view: ViewNa
       show(name, line !== null);
       if (document.activeElement !== name) name.value = line?.name ?? "";
       name.setAttribute("aria-label", line ? text.drawing.name(line.name) : words.noLine);
-      setText(length, line && !line.closed ? text.drawing.length((lengthOf(line) / 10).toFixed(1)) : "");
+      setText(length, line && !line.closed ? text.drawing.length(formatFixed(lengthOf(line) / 10, 1)) : "");
       show(recolour, line !== null && line.color.toLowerCase() !== drawn.ink);
       if (line) recolour.setAttribute("aria-label", words.recolour(line.name, INKS.find(({ color }) => color === drawn.ink)?.name ?? drawn.ink));
       const isMeasuring = drawn.tape !== null && !drawn.tape.isEnded;

@@ -3,7 +3,8 @@
 import type { Iterated, Result } from "../../api/types";
 import { plainLabel, sideOf } from "../../landmarks/picks";
 import { landmarks as landmarkText } from "../../landmarks/text";
-import { scan as scanText } from "../../scan/text";
+import { inSentence } from "../../languages/words";
+import { stanceLabel } from "../../scan/text";
 import type { PageSlice } from "../../store/page";
 import { row } from "../../ui/controls";
 import { el, fill, setText, show } from "../../ui/dom";
@@ -88,7 +89,7 @@ function ofResult(result: Result, state: Shown): HTMLElement[] {
       [words.solve, formatSeconds(result.timing_s.solve), "s"],
       [words.total, formatSeconds(result.timing_s.total), "s"],
       [words.iterations, String(result.iterations)],
-      [words.stance, scanText.stances[result.stance].toLowerCase()],
+      [words.stance, inSentence(stanceLabel(result.stance))],
       ...ofArms(result),
     ]),
     el("p", { class: "muted small stop" }, `${words.stop}: ${result.stop_reason}`),

@@ -1,5 +1,6 @@
 // What is asked about picks: by the fit, where all else contradicts one or where it is unusual, and by the sides of the
 // body before any fit.  A question is open until it is answered: kept, taken out, exchanged, or simply placed elsewhere.
+import { capital, inSentence } from "../../languages/words";
 import type { Frame, LandmarkDefinition, Unit, Vector } from "../../api/types";
 import { mmFrom } from "../../ui/units";
 import { type Certain, isCertain } from "../certain";
@@ -81,7 +82,7 @@ function question({ names, reason }: Doubted): Question {
 
 /** The reason as a sentence, with the landmarks' labels in place of their names: it may name others than are asked about. */
 export function sentenceOf({ reason }: Doubted, list: readonly Pick<LandmarkDefinition, "name" | "label">[]): string {
-  const labels = new Map(list.map(({ name, label }) => [name, label.charAt(0).toLowerCase() + label.slice(1)]));
+  const labels = new Map(list.map(({ name, label }) => [name, inSentence(label)]));
   const labelled = reason.replaceAll(/\b[a-z]\w*\b/g, (word) => labels.get(word) ?? word);
-  return labelled.charAt(0).toUpperCase() + labelled.slice(1);
+  return capital(labelled);
 }

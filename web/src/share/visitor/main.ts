@@ -1,4 +1,5 @@
 // The read-only page behind a share link: the body with its drawing, the numbers, the files; a passcode first where there is one.
+import { changeLanguage, otherLanguages } from "../../languages/language";
 import { locale } from "../../languages/words";
 import "../../style.css";
 import * as text from "../text";
@@ -22,7 +23,7 @@ import { lesionsOnScan } from "../../drawing/lesions/lesions";
 import { lesions as lesionText } from "../../drawing/text";
 import { openSharedViewer } from "./openViewer";
 import { planList } from "./PlanList";
-import { passSecretOn, takeSecret } from "./secret";
+import { keepSecret, passSecretOn, takeSecret } from "./secret";
 import { initialVisitor, type VisitorState } from "./state";
 import { closeLink, openLink, readShared, visitOf } from "./visit";
 
@@ -70,7 +71,15 @@ host.append(el("div", { class: "pane-caption" }, sureness.element));
 const body = el("div", { class: "side-scroll shared-side", tabindex: 0 }, el("p", {}, words.what), shownAs, until, numbers.element, planned, ofLesions, el("h2", {}, resultText.files), files); // it scrolls by keys too
 const side = el("aside", { class: "side", "aria-label": words.title, hidden: true }, body, el("div", { class: "side-foot" }, el("p", { class: "notice" }, noticeLong)));
 const leave = button(words.close, () => void close(), "quiet outlined", "close");
-const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title), el("span", { class: "spring" }), leave);
+const languages = otherLanguages().map(({ language, name: called }) => {
+  const change = button(called, () => {
+    if (opened === null) keepSecret(window, visit.secret); // the link is still to be opened
+    changeLanguage(language);
+  });
+  change.lang = language;
+  return change;
+});
+const top = el("header", { class: "top-bar" }, el("span", { class: "logo", "aria-hidden": "true" }), el("h1", {}, name), el("span", { class: "scan-title" }, words.title), el("span", { class: "spring" }), ...languages, leave);
 
 document.title = `${words.title} · ${name}`;
 document.body.classList.add("is-empty", "is-shared");

@@ -10,9 +10,14 @@ type Tab = Pick<Window, "name"> & { readonly location: Pick<Location, "hash" | "
 export function passSecretOn(tab: Tab): boolean {
   const secret = tab.location.hash.slice(1);
   if (secret === "") return false;
-  tab.name = MARK + secret;
+  keepSecret(tab, secret);
   tab.location.replace("/s");
   return true;
+}
+
+/** For the next page of this tab. */
+export function keepSecret(tab: Pick<Window, "name">, secret: string): void {
+  if (secret !== "") tab.name = MARK + secret;
 }
 
 /** The secret that was passed on to this page, once; "" for none. */

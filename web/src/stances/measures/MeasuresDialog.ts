@@ -2,6 +2,7 @@
 import "./measures.css";
 import { ask } from "../../api/client";
 import type { FitSlice } from "../../fit/state";
+import { capital, inSentence } from "../../languages/words";
 import type { ScanSlice } from "../../scan/state";
 import type { PageSlice } from "../../store/page";
 import { only } from "../../store/store";
@@ -11,7 +12,7 @@ import { el, fill, icon, setText, show } from "../../ui/dom";
 import type { Panel } from "../../ui/Panel";
 import { close as closeText } from "../../ui/text";
 import type { StancesActions } from "../actions";
-import { isNamed, measuredDoubts, type MeasureLine, measuresTable, type MeasuresTable, saidOf } from "./measuresTable";
+import { isNamed, measuredDoubts, type MeasureLine, type MeasuresTable, measuresTable, saidOf, stanceTitle } from "./measuresTable";
 import { measuredFits, type StancesSlice } from "../state";
 import * as text from "./text";
 
@@ -78,7 +79,7 @@ export function createMeasuresDialog(stances: StancesActions, dismiss: () => voi
       element.classList.toggle("of-two", isOfTwo);
       show(holder, table !== null);
       fill(holder, [measures.of, table !== null], () => (table ? [tableOf(table, new Map(state.meta?.landmarks.map(({ name, label }) => [name, label])), (key) => stances.pointAt(key))] : []));
-      setText(signs, file ? `${file.signs.charAt(0).toUpperCase()}${file.signs.slice(1)}. ${words.hint}` : "");
+      setText(signs, file ? `${capital(file.signs)}. ${words.hint}` : "");
       copy.disabled = file === null;
       const fits = measuredFits(state);
       if (!fits) return;
@@ -98,7 +99,7 @@ function tableOf({ groups, lines }: MeasuresTable, labels: ReadonlyMap<string, s
 
 const title = (name: string): string => {
   const [second, first] = name.split(" - ");
-  return first ? words.change(second!, first) : name.charAt(0).toUpperCase() + name.slice(1);
+  return first ? words.change(inSentence(stanceTitle(second!)), inSentence(stanceTitle(first))) : stanceTitle(name);
 };
 
 function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, string>, pointAt: (key: string | null) => void): HTMLElement[] {

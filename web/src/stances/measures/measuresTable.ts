@@ -2,6 +2,7 @@
 // service prints the numbers, so that differences and changes agree with what stands beside them, and with the report.
 import type { Measure, MeasuresFile } from "../../api/types";
 import { verdictWords } from "../../fit/verdict";
+import { stanceLabel } from "../../scan/text";
 
 export interface MeasureLine extends Pick<Measure, "measure" | "label" | "kind" | "unit" | "method"> {
   readonly key: string;
@@ -15,9 +16,12 @@ export interface MeasuresTable {
   readonly lines: readonly MeasureLine[];
 }
 
+/** "Supine", "Supine 2": as a heading. */
+export const stanceTitle = (name: string): string => name.replace(/^[a-z]+/, stanceLabel);
+
 /** What has to be read before the numbers: the fits that are not simply good, and why; each names its stance. */
 export const measuredDoubts = ({ stances, doubts = [] }: Pick<MeasuresFile, "stances"> & Partial<Pick<MeasuresFile, "doubts">>): string[] =>
-  doubts.concat(stances.flatMap(({ name, verdict }) => (verdict && verdict.level !== "good" ? [`${name.charAt(0).toUpperCase()}${name.slice(1)}: ${verdictWords({ verdict })}`] : [])));
+  doubts.concat(stances.flatMap(({ name, verdict }) => (verdict && verdict.level !== "good" ? [`${stanceTitle(name)}: ${verdictWords({ verdict })}`] : [])));
 
 /** Most lengths are there twice: straight, and along the skin. */
 export const measureKey = ({ measure, kind }: Pick<Measure, "measure" | "kind">): string => `${measure}, ${kind}`;
