@@ -11,7 +11,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_output_options, files_of_model, output_folder
+from breastrig.cli.options.output_options import add_output_options, files_of_model, output_folder
 from breastrig.core.assets import model_path
 from breastrig.core.errors import BadInput
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing, check_output

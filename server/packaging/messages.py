@@ -11,7 +11,9 @@ A new msgid comes into each breastrig.po without a translation, one that nobody 
 
 import ast
 import itertools
+import json
 import re
+import tomllib
 from collections import defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,13 +25,43 @@ PACKAGE = Path(__file__).resolve().parents[1] / "breastrig"
 CATALOGUES = PACKAGE / "languages"
 WORDS = Path(__file__).with_name("words.txt")
 MODEL = PACKAGE.parents[1] / "model_assets" / "built" / "torso.json"
-PYDANTIC = [each["message_template_python"] for each in list_all_errors()]
+TEMPLATES = [each["message_template_python"] for each in list_all_errors()]
+PYDANTIC = [text.replace("{expected_plural}", end) for text in TEMPLATES for end in ("", "s")]
 # The command line, what starts a service and owners of rigs are addressed in English; `index` has SQL.
 ENGLISH_ONLY = ("cli", "batch", "execution", "index", "languages", "__main__.py", "__init__.py", "api/settings.py")
 ENGLISH_ONLY += ("api/config.py", "api/web_server.py", "api/metrics.py", "api/openapi.py", "api/trusted_proxy.py")
 ENGLISH_ONLY += ("api/routes/docs.py", "rig", "gltf/read_rig.py", "gltf/side_file.py", "storage/data_folder.py")
-ENGLISH_ONLY += ("core/output_files.py", "core/private_files.py", "use/folder/cohort.py", "least_squares", "geometry")
-ENGLISH_ONLY += ("gltf/skinned.py",)
+ENGLISH_ONLY += (
+    "core/output_files.py",
+    "core/private_files.py",
+    "use/folder/cohort.py",
+    "geometry",
+    "least_squares/problem.py",
+)
+ENGLISH_ONLY += (
+    "gltf/skinned.py",
+    "api/people/people.py",
+    "least_squares/problem.py",
+    "least_squares/quadratic_program.py",
+    "archive/objects.py",
+    "archive/measurements.py",
+)  # DICOM's own words
+# Where every text of two words is said, if only in another one.
+ALL_SAID = ("fitting/verdicts", "fitting/picks", "fitting/hypotheses.py", "fitting/body/trunk_lengths.py")
+ALL_SAID += ("drawings/inside", "drawings/handles", "drawings/constructions", "drawings/patterns.py")
+ALL_SAID += ("drawings/on_skin.py", "drawings/plan_on_scan.py", "report/pages", "report/guides", "report/table.py")
+ALL_SAID += ("report/bands.py", "report/measures.py", "report/ptosis.py", "report/symmetry.py", "report/volume.py")
+ALL_SAID += ("use/folder/one_body.py", "use/folder/whose.py", "use/lines", "use/steps", "colour/features")
+ALL_SAID += (
+    "scan/images",
+    "scan/volumes",
+    "scan/orient.py",
+    "scan/formats/gltf",
+    "scan/formats/off.py",
+    "scan/units.py",
+)
+ALL_SAID += ("core/glb.py", "core/gltf_arrays.py", "core/errors.py", "service", "api/place_checks.py")
+TERMS = ("scan/volumes/grids/nrrd.py", "scan/volumes/codes.py")
 NOT_SAID = {"doc", "Field", "compile", "warn", "getLogger", "APIBlueprint", "output", "debug", "info", "warning"}
 NOT_SAID |= {"error", "exception", "execute", "executescript", "ValueError_", "StructureError", "AssertionError"}
 KEYWORDS_NOT_SAID = {"description", "help", "metavar", "responses", "summary", "tag"}
@@ -40,6 +72,7 @@ MOST = 16  # alternatives of one sentence
 PLACE = re.compile(r"\{([^{}:!]*)(?:![rs])?(:[^{}]*)?\}")
 FIELD = re.compile(r"\{\w*(?::[^{}]*)?\}")  # of a text for format()
 Texts = list[str]
+WORDLESS = (ast.Name, ast.expr_context, ast.operator, ast.cmpop, ast.alias)
 
 
 @dataclass
@@ -64,9 +97,9 @@ def read_module(path: Path) -> Module:
             module.constants[node.targets[0].id] = node.value
         elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value is not None:
             module.constants[node.target.id] = node.value
-    for each in ast.walk(module.tree):
+    for each in module.tree.body:
         if isinstance(each, ast.FunctionDef):
-            module.functions.setdefault(each.name, each)
+            module.functions[each.name] = each
         elif isinstance(each, ast.ImportFrom) and (each.module or "").startswith("breastrig"):
             module.imports |= {one.asname or one.name: (str(each.module), one.name) for one in each.names}
     return module
@@ -76,16 +109,24 @@ class Package:
     """All modules, and the texts of their expressions."""
 
     def __init__(self) -> None:
-        self.modules = {path: read_module(path) for path in sorted(PACKAGE.rglob("*.py"))}
-        self.errors = {"BadManifest", "refuse", "problem", "Changed"}
+        self._modules: dict[Path, Module] = {}
+        self.errors = {"BadManifest", "refuse", "problem", "Changed", "Reason", "explained"}
+        self._assignments: dict[ast.AST, dict[str, list[ast.AST]]] = {}
+        self._arguments: dict[ast.AST, set[str]] = {}
         self.pending: Texts = []  # alternatives that became messages of their own
         self.found: dict[str, set[str]] = defaultdict(set)  # msgid: modules
-        tree = self.modules[PACKAGE / "core" / "errors.py"].tree
+        tree = self.read(PACKAGE / "core" / "errors.py").tree
         self.errors |= {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
+
+    def read(self, path: Path) -> Module:
+        if path not in self._modules:
+            self._modules[path] = read_module(path)
+        return self._modules[path]
 
     def of(self, dotted: str) -> Module | None:
         place = PACKAGE.parent / Path(*dotted.split("."))
-        return self.modules.get(place.with_suffix(".py")) or self.modules.get(place / "__init__.py")
+        file = place.with_suffix(".py")
+        return self.read(file) if file.is_file() else None
 
     def texts(self, node: ast.expr, module: Module, scope: ast.AST | None, depth: int = 0) -> Texts | None:
         """All texts that an expression can be, with places; None where it is not known."""
@@ -137,14 +178,12 @@ class Package:
 
     def _name(self, name: str, module: Module, scope: ast.AST | None, depth: int) -> Texts | None:
         if scope is not None:
-            known = [each for each in ast.walk(scope) if _assigns(each, name)]
-            if known:
+            if known := self._assigned(scope).get(name):
                 values = [each.value for each in known if isinstance(each, ast.Assign | ast.NamedExpr | ast.AnnAssign)]
                 if len(values) != len(known) or any(each is None for each in values):
                     return None
                 return self._either([each for each in values if each is not None], module, scope, depth)
-            arguments = [each.arg for each in ast.walk(scope) if isinstance(each, ast.arg)]
-            if name in arguments:
+            if name in self._arguments[scope]:
                 return None
         if name in module.constants:
             return self.texts(module.constants[name], module, None, depth + 1)
@@ -153,6 +192,18 @@ class Package:
             other = self.of(dotted)
             return None if other is None else self._name(original, other, None, depth + 1)
         return None
+
+    def _assigned(self, scope: ast.AST) -> dict[str, list[ast.AST]]:
+        """What a function gives its names, once for each."""
+        if scope not in self._assignments:
+            found = self._assignments[scope] = defaultdict(list)
+            self._arguments[scope] = set()
+            for each in ast.walk(scope):
+                for name in _targets(each):
+                    found[name].append(each)
+                if isinstance(each, ast.arg):
+                    self._arguments[scope].add(each.arg)
+        return self._assignments[scope]
 
     def _item(self, name: str, key: ast.expr, module: Module, scope: ast.AST | None, depth: int) -> Texts | None:
         """One of the values of a table."""
@@ -185,13 +236,20 @@ class Package:
 
     def collect(self) -> None:
         """Fills `found`."""
-        for module in self.modules.values():
-            if not module.name.startswith(ENGLISH_ONLY):
+        for path in sorted(PACKAGE.rglob("*.py")):
+            if not path.relative_to(PACKAGE).as_posix().startswith(ENGLISH_ONLY):
+                module = self.read(path)
                 self._look(module.tree, module, None)
 
     def _look(self, node: ast.AST, module: Module, scope: ast.AST | None) -> None:
         if isinstance(node, ast.FunctionDef):
-            scope = node
+            if node.name == "__repr__":
+                return
+            scope, node.returns = node, None
+        if isinstance(node, ast.arg):
+            return
+        if isinstance(node, ast.AnnAssign):
+            node.annotation = ast.Constant(None)
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             return  # a docstring
         if isinstance(node, ast.Assert):
@@ -201,6 +259,11 @@ class Package:
             if called in self.errors:
                 for each in node.args:
                     self._take(each, module, scope, every=True)
+            elif called == "Field" and module.name.startswith("drawings/constructions"):  # forms of patterns
+                for one in node.keywords:
+                    if one.arg in ("title", "description"):
+                        self._take(one.value, module, scope, every=True)
+                return None
             elif called in NOT_SAID:
                 return None
             node.keywords = [each for each in node.keywords if each.arg not in KEYWORDS_NOT_SAID]
@@ -210,26 +273,39 @@ class Package:
                 return None
         if isinstance(node, ast.Dict):
             both = zip(node.keys, node.values, strict=True)
-            node.values = [value for key, value in both if getattr(key, "value", None) not in KEYWORDS_NOT_SAID]
-            node.keys = []
+            kept = [(key, value) for key, value in both if getattr(key, "value", None) not in KEYWORDS_NOT_SAID]
+            node.keys, node.values = [key for key, _ in kept], [value for _, value in kept]
         for child in ast.iter_child_nodes(node):
-            if not (isinstance(node, ast.JoinedStr) and isinstance(child, ast.Constant)):
+            if not isinstance(child, WORDLESS) and not (
+                isinstance(node, ast.JoinedStr) and isinstance(child, ast.Constant)
+            ):
                 self._look(child, module, scope)
         return None
 
     def _take(self, node: ast.expr, module: Module, scope: ast.AST | None, *, every: bool) -> None:
+        if isinstance(node, ast.Tuple):
+            for each in node.elts:
+                self._take(each, module, scope, every=every)
+            return
         self.pending = []
         for text in [*(self.texts(node, module, scope) or []), *self.pending]:
             msgid = numbered(text)
-            if len(re.findall("[a-zA-Z]{2,}", PLACE.sub("", msgid))) and (every or SENTENCE.match(msgid)):
+            words = re.findall("[a-zA-Z]{2,}", PLACE.sub("", msgid))
+            is_said = every or (
+                module.name.startswith(ALL_SAID)
+                and module.name not in TERMS
+                and " " in msgid.strip()
+                and len(words) > 1
+            )
+            if words and (is_said or SENTENCE.match(msgid)):
                 self.found[msgid].add(module.name)
 
 
-def _assigns(node: ast.AST, name: str) -> bool:
+def _targets(node: ast.AST) -> set[str]:
+    """The names that a statement assigns."""
     targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
-    return any(
-        isinstance(each, ast.Name) and each.id == name for target in targets if target for each in ast.walk(target)
-    )
+    names = (each for target in targets if target is not None for each in ast.walk(target))
+    return {each.id for each in names if isinstance(each, ast.Name)}
 
 
 def _product(parts: list[Texts]) -> int:
@@ -248,16 +324,13 @@ def numbered(text: str) -> str:
 
 
 def words() -> dict[str, set[str]]:
-    """The words of words.txt with what says them; none for those that nobody says any more."""
-    said: dict[str, set[str]] = defaultdict(set)
-    asked = [line for line in WORDS.read_text("utf-8").splitlines() if line and not line.startswith("# ")]
-    files = [*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.toml"), *PACKAGE.rglob("*.typ"), MODEL]
-    texts = {path: path.read_text("utf-8") for path in files if not path.is_relative_to(CATALOGUES)}
-    for word in asked:
-        parts = [part for part in FIELD.split(word) if part.strip()]
-        places = {path.name for path, text in texts.items() if all(part in text for part in parts)}
-        said[word] |= places or {"pydantic" for text in PYDANTIC if all(part in text for part in parts)}
-    return said
+    """The words of words.txt that something says."""
+    files = [*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.typ"), MODEL, *MODEL.parent.rglob("drawings/*.json")]
+    text = "\n".join([*(path.read_text("utf-8") for path in files), *PYDANTIC])
+    text += text.replace("_", " ")  # names, as they are read out
+    asked = (line for line in WORDS.read_text("utf-8").splitlines() if line and not line.startswith("# "))
+    parts = {word: [part.strip() for part in FIELD.split(word)] for word in asked}
+    return {word: {WORDS.name} for word, found in parts.items() if all(part in text for part in found)}
 
 
 def update(language: str, found: dict[str, set[str]]) -> tuple[list[str], list[str]]:
@@ -277,11 +350,38 @@ def update(language: str, found: dict[str, set[str]]) -> tuple[list[str], list[s
     return come, gone
 
 
+def of_the_model() -> dict[str, set[str]]:
+    """Labels and definitions of the model's side file, and the facts of its verdict."""
+    found: dict[str, set[str]] = defaultdict(set)
+    side = json.loads(MODEL.read_text("utf-8"))
+    for each in (*side["landmarks"], *side["drawings"], *side["lengths"]):
+        for key in ("label", "definition"):
+            if key in each:
+                found[each[key]].add(MODEL.name)
+    for file in MODEL.parent.rglob("drawings/*.json"):
+        drawing = json.loads(file.read_text("utf-8"))
+        for label in (drawing["label"], *(shape["label"] for shape in drawing["shapes"])):
+            found[label].add(file.name)
+    for file in MODEL.parent.rglob("*.known/verdict.toml"):
+        for signal in tomllib.loads(file.read_text("utf-8"))["signals"].values():
+            found[numbered(signal["fact"])].add(file.name)
+    return found
+
+
 def all_msgids() -> dict[str, set[str]]:
     """Every msgid with the modules that say it."""
     package = Package()
     package.collect()
-    return {**package.found, **words()}
+    return {**package.found, **of_the_templates(), **of_the_model(), **words()}
+
+
+def of_the_templates() -> dict[str, set[str]]:
+    """The words of Typst templates, t("word")."""
+    return {
+        word: {path.name}
+        for path in PACKAGE.rglob("*.typ")
+        for word in re.findall(r't\("([^"]+)"\)', path.read_text("utf-8"))
+    }
 
 
 if __name__ == "__main__":

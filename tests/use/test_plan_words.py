@@ -27,5 +27,5 @@ def test_numbers_of_what_is_not_drawn_here_are_as_asked_for_and_only_carried_one
     (missing,) = planned_items(plan.items, {"shapes": []}, {"t": "It is not on that breast."}, None)
     assert not there.is_drawn
     assert missing.is_drawn
-    assert missing.text == "Not drawn: It is not on that breast."
+    assert missing.said == "Not drawn: It is not on that breast."
     assert dict(missing.values)["From the nipple"] == "45 mm"

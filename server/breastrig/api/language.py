@@ -40,6 +40,13 @@ def event_said(utf8: bytes, language: str) -> bytes:
     return json.dumps(document_said(json.loads(utf8), language, _is_field), separators=(",", ":")).encode()
 
 
+def in_language(response: Response) -> Response:
+    """The answer, said to be in the language of its request."""
+    response.vary.update(("Accept-Language", "Cookie"))
+    response.content_language.add(current_language())
+    return response
+
+
 def _is_field(holder: str, name: str) -> bool:
     return not FIELDS.isdisjoint((name, f"{holder}.{name}", f"{holder}.*"))
 
@@ -49,8 +56,7 @@ def _in_language(response: Response) -> Response:
     if response.mimetype not in TYPES or request.blueprint == "models" or response.status_code in (206, 304):
         return response
     language = current_language()
-    response.vary.update(("Accept-Language", "Cookie"))
-    response.content_language.add(language)
+    in_language(response)
     if language != ENGLISH:
         response.direct_passthrough = False
         content = response.get_data()

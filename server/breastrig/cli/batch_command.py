@@ -23,7 +23,7 @@ from breastrig.batch.manifest import INPUTS, BadManifest, BatchRow, read_manifes
 from breastrig.batch.run import SPARE, Batch, exclusive, run_batch
 from breastrig.batch.table import FILE, MEASURES, Outcome, is_table, write_table
 from breastrig.batch.task import measured_fit
-from breastrig.cli.output_options import MISFIT, add_output_options, files_of_model, output_folder
+from breastrig.cli.options.output_options import MISFIT, add_output_options, files_of_model, output_folder
 from breastrig.core.assets import model_path, packaged_models
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import OutputSet, check_inputs_kept, check_output

@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from breastrig.cli.output_options import add_output_options, output_file
+from breastrig.cli.options.output_options import add_output_options, output_file
 from breastrig.core.assets import model_path
 from breastrig.core.errors import BadInput
 from breastrig.core.output_files import all_or_nothing

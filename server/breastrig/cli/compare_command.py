@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.messages.earlier_fits import say_unchecked
-from breastrig.cli.output_options import (
+from breastrig.cli.options.output_options import (
     add_output_options,
     add_same_patient,
     files_of_fit,

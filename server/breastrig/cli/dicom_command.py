@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_same_patient
+from breastrig.cli.options.output_options import add_same_patient
 from breastrig.core.assets import model_path
 from breastrig.core.errors import BadInput
 from breastrig.use.archive.dicom import send_dicom, write_dicom

@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from breastrig.cli.messages.earlier_fits import say_unchecked
-from breastrig.cli.output_options import (
+from breastrig.cli.options.output_options import (
     add_output_options,
     add_plan_options,
     files_of_fit,

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.messages.progress import fitted
+from breastrig.cli.options.output_options import MISFIT, add_output_options, files_of_model, output_folder
 from breastrig.cli.options.scan_options import add_scan_options, scan_of, scan_source
-from breastrig.cli.output_options import MISFIT, add_output_options, files_of_model, output_folder
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import Output, all_or_nothing
 from breastrig.core.stances import STANCES

@@ -4,7 +4,7 @@ import argparse
 from collections import Counter
 from pathlib import Path
 
-from breastrig.cli.output_options import add_output_options, output_file
+from breastrig.cli.options.output_options import add_output_options, output_file
 from breastrig.core.documents import json_bytes
 from breastrig.core.output_files import all_or_nothing, check_output
 from breastrig.core.private_files import write_private

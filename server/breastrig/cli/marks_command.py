@@ -7,7 +7,7 @@ follows what is proposed: look at each pair, and put those that are right under 
 import argparse
 from pathlib import Path
 
-from breastrig.cli.output_options import (
+from breastrig.cli.options.output_options import (
     add_output_options,
     add_same_patient,
     files_of_fit,

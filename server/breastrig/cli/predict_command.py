@@ -9,7 +9,13 @@ from pathlib import Path
 from typing import get_args
 
 from breastrig.cli.messages.earlier_fits import say_unchecked
-from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_folder, say_misfits
+from breastrig.cli.options.output_options import (
+    add_output_options,
+    files_of_fit,
+    files_of_model,
+    output_folder,
+    say_misfits,
+)
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.stances import Stance

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from breastrig.cli.output_options import output_file
+from breastrig.cli.options.output_options import add_language, output_file
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private
 from breastrig.use.reports.report import protocol_pdf_of
@@ -11,11 +11,12 @@ from breastrig.use.reports.report import protocol_pdf_of
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="the PDF, one A4 page")
+    add_language(parser)
     parser.add_argument("--force", action="store_true", help="replace a file")
 
 
 def run(options: argparse.Namespace) -> int:
     """Writes the page; returns 0."""
     with all_or_nothing(output_file(options, [])) as out:
-        write_private(out / options.output.name, protocol_pdf_of())
+        write_private(out / options.output.name, protocol_pdf_of(options.language))
     return 0

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_output_options, add_plan_options, say_misfits
+from breastrig.cli.options.output_options import add_language, add_output_options, add_plan_options, say_misfits
 from breastrig.use.report import write_report
 
 
@@ -16,6 +16,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="CODE",
         help="the patient's code, never a name, on every page and in the PDF's name; by default that of the fit",
     )
+    add_language(parser)
     add_output_options(parser, "DIR", "folder for the three files")
 
 
@@ -29,6 +30,7 @@ def run(options: argparse.Namespace) -> int:
         plan=options.plan,
         code=options.code,
         same_patient=options.same_patient,
+        language=options.language,
         force=options.force,
         model=options.model,
         asked_to_stop=raise_if_asked,

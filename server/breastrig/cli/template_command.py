@@ -4,7 +4,7 @@ and lay on notch and nipple.  Says of each line how far off it is on the paper. 
 import argparse
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_output_options, add_plan_options
+from breastrig.cli.options.output_options import add_language, add_output_options, add_plan_options
 from breastrig.use.guides.write_template import write_template
 
 
@@ -14,6 +14,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--code", default="", metavar="CODE", help="the patient's code, never a name; by default that of the fit"
     )
     parser.add_argument("--side", choices=("L", "R"), default="", help="of a guide: the patient's left or right")
+    add_language(parser)
     add_output_options(parser, "FILE", "template.pdf, or guide.stl of one side")
 
 
@@ -27,6 +28,7 @@ def run(options: argparse.Namespace) -> int:
         side=options.side,
         code=options.code,
         same_patient=options.same_patient,
+        language=options.language,
         force=options.force,
         model=options.model,
         asked_to_stop=raise_if_asked,

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.cli.messages.earlier_fits import say_unchecked
-from breastrig.cli.output_options import (
+from breastrig.cli.options.output_options import (
     add_output_options,
     add_same_patient,
     files_of_fit,

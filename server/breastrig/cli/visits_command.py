@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.output_options import add_output_options
+from breastrig.cli.options.output_options import add_output_options
 from breastrig.use.cases.case import Case
 
 

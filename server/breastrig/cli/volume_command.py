@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.messages.earlier_fits import say_unchecked
-from breastrig.cli.output_options import add_output_options, files_of_fit, files_of_model, output_file
+from breastrig.cli.options.output_options import add_output_options, files_of_fit, files_of_model, output_file
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import all_or_nothing
 from breastrig.core.private_files import write_private

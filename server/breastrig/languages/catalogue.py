@@ -10,9 +10,11 @@ from collections import defaultdict
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import resources
+from typing import Literal, get_args
 
-ENGLISH = "en"
-LANGUAGES = (ENGLISH, "de")
+Language = Literal["en", "de"]
+ENGLISH: Language = "en"
+LANGUAGES: tuple[Language, ...] = get_args(Language)
 PLACE = re.compile(r"\{(\d+)(:[^{}]*)?\}")
 NUMBER = r"[-+−]?(?:\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?|nan|inf)"
 ENTRY = re.compile(r'^msgid ((?:".*"\n)+)msgstr ((?:".*"\n?)+)', re.MULTILINE)

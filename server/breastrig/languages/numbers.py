@@ -2,7 +2,7 @@
 
 import re
 
-UNITS = frozenset(["mm", "cm", "m", "ml", "l", "g", "kg", "s", "min", "h", "MB", "kB", "GB", "deg"])
+UNITS = frozenset(["mm", "cm", "m", "ml", "l", "g", "kg", "s", "min", "h", "MB", "kB", "GB", "deg", "x"])
 NUMBER = re.compile(r"(?<![\d.,])\d[\d,]*(?:\.\d+)?(?![\d,]*\.?\d)")
 DAY = re.compile(r"(?<![\d-])(\d{4})-(\d\d)-(\d\d)(?![\d-])")
 WORD = re.compile(r"[^\W\d_]+")

@@ -14,10 +14,15 @@ from breastrig.languages.numbers import number_said, numbers_said
 
 LONGEST = 5000  # characters; longer texts are nobody's sentence
 DEPTH = 6  # of messages in messages
+QUOTED = re.compile(r'["“][^"”]*["”]')
 END = re.compile(r"(?<=[.!?]) +")
-LISTED = ("; ", ", ", " and ", " or ")
+LISTED = (" · ", "; ", ", or ", ", and ", ", ", " and ", " or ")
 Reading = tuple[int, str]  # characters that are known, translation
 IsField = Callable[[str, str], bool]
+
+
+class Typed(str):
+    """What a person has written: the same in every language."""
 
 
 def said(text: str, language: str) -> str:
@@ -33,8 +38,8 @@ def document_said(document: Any, language: str, is_field: IsField, name: str = "
     is_field: called with the name of the object that holds a field ("" at the top) and the field's.
     """
     if isinstance(document, str):
-        return said(document, language) if is_said else document
-    if isinstance(document, list | tuple):
+        return said(document, language) if is_said and not isinstance(document, Typed) else document
+    if isinstance(document, list | tuple) and not (document and isinstance(document[0], int | float)):
         return [document_said(each, language, is_field, name, is_said) for each in document]
     if isinstance(document, dict):
         return {
@@ -46,18 +51,20 @@ def document_said(document: Any, language: str, is_field: IsField, name: str = "
 @lru_cache(maxsize=4096)
 def _read(text: str, language: str, depth: int) -> Reading:
     """The best reading of a text: as it is, as sentences one after another, or as a list."""
-    core = text.strip()
+    core = text.strip(" :;,")
     if not core or text in (words := catalogue(language).words):
         return len(text), words[text] if core else text
     if core != text:
         start, _, end = text.partition(core)
         known, found = _read(core, language, depth)
         return known, start + found + end
+    if QUOTED.fullmatch(text):
+        return 1, text
     as_numbers = numbers_said(text, language)
     if as_numbers is not None:
         return 1, as_numbers
-    best = _sentences(text, language, depth)
-    return best if best[0] else _list(text, language, depth)
+    ways = (_sentences(text, language, depth), _named(text, language, depth), _list(text, language, depth))
+    return max(ways, key=_known)
 
 
 def _known(reading: Reading) -> int:
@@ -76,7 +83,11 @@ def _sentence(text: str, language: str, depth: int) -> Reading:
     if text + "." in known.words:
         return len(text), known.words[text + "."].removesuffix(".")
     likely = [message for message in known.like(text) if message.longest in text] if depth < DEPTH else []
-    return max((_filled(message, text, language, depth) for message in likely), key=_known, default=(0, text))
+    best = max((_filled(message, text, language, depth) for message in likely), key=_known, default=(0, text))
+    if best[0] == 0 and text.endswith("."):
+        count, found = _sentence(text[:-1], language, depth)
+        return count, found + "."
+    return best
 
 
 def _filled(message: Message, text: str, language: str, depth: int) -> Reading:
@@ -112,11 +123,21 @@ def _sentences(text: str, language: str, depth: int) -> Reading:
     return best[-1]
 
 
+def _named(text: str, language: str, depth: int) -> Reading:
+    """What begins with a name that is known: Standing: ..."""
+    name, colon, rest = text.partition(": ")
+    known, found = _sentence(name, language, depth) if colon else (0, text)
+    if not known:
+        return 0, text
+    more, read = _read(rest, language, depth)
+    return known + more, f"{found}: {read}"
+
+
 def _list(text: str, language: str, depth: int) -> Reading:
     """A list of words that are all known, else the text as it is."""
     for between in LISTED:
         parts = [_read(part, language, depth) for part in text.split(between)] if between in text else []
         if parts and all(count for count, _ in parts):
-            joint = said(between, language) if between.strip(";, ") else between
+            joint = catalogue(language).words.get(between, between)
             return sum(map(_known, parts)), joint.join(found for _, found in parts)
     return 0, text

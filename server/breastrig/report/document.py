@@ -30,7 +30,8 @@ class PlannedItem:
     id: str
     name: str  # Reduction (Wise pattern), both sides
     values: tuple[tuple[str, str], ...] = ()  # (New areola, 44 mm)
-    text: str = ""  # of a note, or why it cannot be shown
+    text: str = ""  # of a note
+    said: str = ""  # why it cannot be shown
     is_drawn: bool = True  # here, so that its values are those of its lines; carried ones are as asked for
 
 

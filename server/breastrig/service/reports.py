@@ -14,6 +14,7 @@ from breastrig.core import wall_clock
 from breastrig.core.errors import NotFound
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name
 from breastrig.execution.pool import TaskQueue
+from breastrig.languages.catalogue import ENGLISH
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
@@ -59,16 +60,17 @@ class Reports:
         self._models = models
         self._remembered: Remembered[bytes] = Remembered(REMEMBERED)
 
-    def pdf(self, fit_id: str, other_id: str | None) -> bytes:
+    def pdf(self, fit_id: str, other_id: str | None, language: str = ENGLISH) -> bytes:
         """The pages of a fit that is done, or of it and another one.
 
         Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
         """
-        return self._remembered_or_made("report.pdf", fit_id, other_id)
+        return self._remembered_or_made("report.pdf", fit_id, other_id, language)
 
-    def page(self, number: int, fit_id: str, other_id: str | None) -> tuple[bytes, int]:
+    def page(self, number: int, fit_id: str, other_id: str | None, language: str = ENGLISH) -> tuple[bytes, int]:
         """One of the pages of `pdf` as PNG, counted from 1, and how many there are; NotFound past the last one."""
-        with zipfile.ZipFile(io.BytesIO(self._remembered_or_made("pages.zip", fit_id, other_id))) as pages:
+        made = self._remembered_or_made("pages.zip", fit_id, other_id, language)
+        with zipfile.ZipFile(io.BytesIO(made)) as pages:
             count = len(pages.namelist())
             if number > count:
                 raise NotFound(f"This report has {count} pages.")
@@ -82,17 +84,19 @@ class Reports:
         """Tetrahedra of the fitted body, VTU.  Raises likewise, and BadInput for a model whose inside is not known."""
         return self._remembered_or_made("volume.vtu", fit_id, None)
 
-    def template(self, fit_id: str) -> bytes:
+    def template(self, fit_id: str, language: str = ENGLISH) -> bytes:
         """The plan's lines in true size, PDF.  Raises likewise, and BadInput where they cannot be laid flat."""
-        return self._remembered_or_made("template.pdf", fit_id, None)
+        return self._remembered_or_made("template.pdf", fit_id, None, language)
 
     def guide(self, fit_id: str, side: str) -> bytes:
         """The guide of one side ("L" or "R"), STL; raises likewise."""
         return self._remembered_or_made(f"guide_{side}.stl", fit_id, None)
 
-    def protocol(self) -> bytes:
+    def protocol(self, language: str = ENGLISH) -> bytes:
         """The page for taking scans with marks."""
-        return self._remembered.result("protocol", lambda: self._processes.result(protocol_pdf_of, (), WALL_S))
+        return self._remembered.result(
+            ("protocol", language), lambda: self._processes.result(protocol_pdf_of, (language,), WALL_S)
+        )
 
     def file_name(self, what: str, *fit_ids: str) -> str:
         """The name of a file of these fits: the patient's code, the stances, the day of the first scan, `what`."""
@@ -105,11 +109,12 @@ class Reports:
         """Clears the cache after a deletion."""
         self._remembered.forget()
 
-    def _remembered_or_made(self, name: str, fit_id: str, other_id: str | None) -> bytes:
+    def _remembered_or_made(self, name: str, fit_id: str, other_id: str | None, language: str = ENGLISH) -> bytes:
         ids = [one for one in (fit_id, other_id) if one is not None]
         cuts = tuple(shown_cuts(self._storage, get_fit(self._storage, one)) for one in ids)
-        key = (name, *(self._key(name, one, cut) for one, cut in zip(ids, cuts, strict=True)), self._is_said(ids))
-        return self._remembered.result(key, lambda: self._made(name, ids, cuts))
+        shown = [self._key(name, one, cut) for one, cut in zip(ids, cuts, strict=True)]
+        key = (name, language, *shown, self._is_said(ids))
+        return self._remembered.result(key, lambda: self._made(name, ids, cuts, language))
 
     def _is_said(self, ids: list[str]) -> bool:
         """Whether a person has stated that both scans are of one patient, whatever their bodies' measures."""
@@ -131,7 +136,7 @@ class Reports:
         received = tuple(get_scan(self._storage, fit.scan).created_at[:DAY] for fit in fits)
         return Identity(patient.code, wall_clock.now(), received, True, plan.written_at[:DAY], plan.version)
 
-    def _made(self, name: str, ids: list[str], cuts: tuple[Cuts, ...]) -> bytes:
+    def _made(self, name: str, ids: list[str], cuts: tuple[Cuts, ...], language: str) -> bytes:
         with (
             explained("This report", WALL_S, "fit a smaller scan", self._storage, ids),
             self._models.of_fits(ids) as model,
@@ -150,6 +155,7 @@ class Reports:
                 doubts=self._plans.doubts_of(ids[0]) if shows_plan and is_alone else doubts,
                 one_patient=self._is_said(ids),
                 cuts=cuts,
+                language=language,
             )
             content = self._processes.result(MAKERS[name], (job,), WALL_S)
         for one in ids:

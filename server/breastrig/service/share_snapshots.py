@@ -13,6 +13,7 @@ from typing import Any
 
 from breastrig.core.errors import BadInput, Conflict
 from breastrig.execution.pool import TaskQueue
+from breastrig.languages.catalogue import ENGLISH
 from breastrig.service.failed_tasks import explained
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.plans import Plans
@@ -49,7 +50,7 @@ class ShareSnapshots:
         self._reports = reports
         self._models = models
 
-    def add(self, share: StoredShare, token_sha256: str) -> StoredShare:
+    def add(self, share: StoredShare, token_sha256: str, language: str = ENGLISH) -> StoredShare:
         """Keeps the link with what it shows.
 
         Raises a BreastRigError with a sentence, NotFound when the fit was deleted meanwhile, OSError for a full disk.
@@ -61,16 +62,16 @@ class ShareSnapshots:
             raise BadInput(
                 "This body is predicted, not scanned: it has one skin, without colours; share it as `plain`."
             )
-        with self._taken(fit, share) as snapshot:
+        with self._taken(fit, share, language) as snapshot:
             made = replace(share, snapshot=snapshot, snapshot_at=utc_now())
             return add_share(self._storage, made, token_sha256)
 
-    def refresh(self, fit_id: str, share_id: str) -> StoredShare:
+    def refresh(self, fit_id: str, share_id: str, language: str = ENGLISH) -> StoredShare:
         """The link shows what stands now.  Raises likewise, and Conflict when it is over."""
         share, fit = get_share(self._storage, fit_id, share_id), get_fit(self._storage, fit_id)
         if not share.is_valid(utc_now()):
             raise Conflict("This link is over; make a new one.")
-        with self._taken(fit, share) as snapshot:
+        with self._taken(fit, share, language) as snapshot:
             replace_snapshot(self._storage, share, snapshot)
         return get_share(self._storage, fit_id, share_id)
 
@@ -86,19 +87,19 @@ class ShareSnapshots:
         end_snapshots(self._storage, utc_now())
 
     @contextmanager
-    def _taken(self, fit: StoredFit, share: StoredShare) -> Iterator[str]:
+    def _taken(self, fit: StoredFit, share: StoredShare, language: str) -> Iterator[str]:
         """A new snapshot; the block puts it into the case, or nothing is left of it."""
         snapshot = new_id()
         place = share_place(snapshot)
         try:
             self._storage.files.make(place)
-            self._write(place, fit, share)
+            self._write(place, fit, share, language)
             yield snapshot
         except BaseException:
             self._storage.discard(place)
             raise
 
-    def _write(self, place: str, fit: StoredFit, share: StoredShare) -> None:
+    def _write(self, place: str, fit: StoredFit, share: StoredShare, language: str) -> None:
         files, scan = self._storage.files, get_scan(self._storage, fit.scan)
         planned, cuts = self._plans.of_fit(fit.id), shown_cuts(self._storage, fit)
         plan: dict[str, Any] = json.loads(self._plans.laid(planned))
@@ -119,5 +120,6 @@ class ShareSnapshots:
                 has_notes=share.notes,
                 cuts=cuts,
                 model=model,
+                language=language,
             )
             self._processes.result(write_snapshot, (job,), WALL_S)

@@ -11,6 +11,7 @@ from breastrig.core.one_thread import one_thread
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing
 from breastrig.drawings.drawing_file import drawing_document
 from breastrig.files.result import FIT_FILES, ResultFile, ResultPatient, read_result
+from breastrig.languages.catalogue import Language
 from breastrig.report.document import SCHEMA
 from breastrig.report.pages.printable import checked_code
 from breastrig.use.folder.earlier_fits import unchecked
@@ -29,6 +30,7 @@ def write_report(
     plan: Drawing | Mapping[str, Any] | str | Path | None = None,
     code: str = "",
     same_patient: bool = False,
+    language: Language = "en",
     force: bool = False,
     model: Model = None,
     asked_to_stop: Callable[[], None] = lambda: None,
@@ -43,6 +45,7 @@ def write_report(
             of the fit's own drawing.
         code: The patient's code, never a name; empty: that of the fit.
         same_patient: Whether the plan is this patient's though its file names another.
+        language: Of the PDF: en or de.
         force: Replaces files that are no earlier report; never what was read.
         model: Of folders, where it is not the package's; a `Fit` has its own.
         asked_to_stop: Called before the files are put in place; it may raise.
@@ -69,6 +72,7 @@ def write_report(
             None,
             plan=document,
             same_patient=same_patient,
+            language=language,
             identity=identity,
             doubts=(*_two_codes(results), *unchecked(each for each in (fit, other) if isinstance(each, str | Path))),
         )

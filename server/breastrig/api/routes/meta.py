@@ -5,6 +5,7 @@ from flask import Response
 
 from breastrig.api.answers import CHECK_AGAIN, PDF, bytes_answer, file_of
 from breastrig.api.app_context import app_context
+from breastrig.api.language import current_language, in_language
 from breastrig.api.routes.groups import caller_answer, group_for_new
 from breastrig.api.routes.scans.scans import scan_answer
 from breastrig.api.wire import common as wire
@@ -66,7 +67,7 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
 @meta.doc(operation_id="getScanProtocol", responses={200: file_of(PDF, "One A4 page")})
 def show_protocol() -> Response:
     """A page to print for taking scans with marks"""
-    return bytes_answer(app_context().service.reports.protocol(), PDF, CHECK_AGAIN)
+    return in_language(bytes_answer(app_context().service.reports.protocol(current_language()), PDF, CHECK_AGAIN))
 
 
 @meta.get("/api/examples")

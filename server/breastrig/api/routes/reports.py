@@ -10,10 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from breastrig.api.answers import CSV, JSON, PDF, PERSONAL, PNG, STL, VTU, bytes_answer, file_of, in_memory
 from breastrig.api.app_context import app_context
+from breastrig.api.language import current_language
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
 from breastrig.core.errors import BadSettings, Conflict
 from breastrig.core.stances import SIDES
+from breastrig.languages.catalogue import Language
 from breastrig.report.table import csv_bytes
 from breastrig.storage.documents.fits import get_fit
 from breastrig.use.guides.template import guide_said
@@ -21,10 +23,16 @@ from breastrig.use.guides.template import guide_said
 reports = APIBlueprint("reports", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 
 
-class ReportQuery(BaseModel):
-    """The other stance that the report includes."""
+class PagesQuery(BaseModel):
+    """In which language pages are."""
 
     model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+    language: Language | None = Field(None, description="of the pages; without it that of the request")
+
+
+class ReportQuery(PagesQuery):
+    """The other stance that the report includes."""
 
     with_: str | None = Field(
         None, alias="with", max_length=64, description="id of a fit of the same patient in another stance"
@@ -50,7 +58,7 @@ def show_report(fit_id: str, query_data: ReportQuery) -> Response:
     """
     _check_done(fit_id, query_data.with_)
     made, ids = app_context().service.reports, [one for one in (fit_id, query_data.with_) if one is not None]
-    content = in_memory(made.pdf(fit_id, query_data.with_))
+    content = in_memory(made.pdf(fit_id, query_data.with_, query_data.language or current_language()))
     scans = [get_fit(app_context().service.storage, one).scan for one in ids]
     return app_context().patients_file(scans, content, PDF, made.file_name("report.pdf", *ids))
 
@@ -67,18 +75,21 @@ def show_report_page(fit_id: str, query_data: PageQuery) -> Response:
     The same pages as report.pdf, A4 at 144 pixels an inch.
     """
     _check_done(fit_id, query_data.with_)
-    content, count = app_context().service.reports.page(query_data.page, fit_id, query_data.with_)
+    content, count = app_context().service.reports.page(
+        query_data.page, fit_id, query_data.with_, query_data.language or current_language()
+    )
     response = bytes_answer(content, PNG, PERSONAL)
     response.headers["Page-Count"] = str(count)
     return response
 
 
 @reports.get("/<fit_id>/template.pdf")
+@reports.input(PagesQuery, location="query")
 @reports.doc(
     operation_id="getTemplate",
     responses={200: file_of(PDF, "Sheets of A4 to print at 100 %, and how far off each line is"), 409: "Not done"},
 )
-def show_template(fit_id: str) -> Response:
+def show_template(fit_id: str, query_data: PagesQuery) -> Response:
     """The plan in true size, laid flat, PDF
 
     Skin around the planned lines of each side, to be cut out and laid on notch and nipple in the position of the scan.
@@ -86,7 +97,10 @@ def show_template(fit_id: str) -> Response:
     """
     _check_done(fit_id, None)
     made = app_context().service.reports
-    content, scans = in_memory(made.template(fit_id)), [get_fit(app_context().service.storage, fit_id).scan]
+    content, scans = (
+        in_memory(made.template(fit_id, query_data.language or current_language())),
+        [get_fit(app_context().service.storage, fit_id).scan],
+    )
     return app_context().patients_file(scans, content, PDF, made.file_name("template.pdf", fit_id))
 
 

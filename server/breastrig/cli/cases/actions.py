@@ -8,8 +8,8 @@ from pathlib import Path
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cli.messages.progress import fitted
+from breastrig.cli.options.output_options import output_file
 from breastrig.cli.options.scan_options import say_segments
-from breastrig.cli.output_options import output_file
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput, NotFound
 from breastrig.core.output_files import all_or_nothing

@@ -1,6 +1,5 @@
 """template.pdf: pieces of a template over sheets of A4 in true size, as JSON that template.typ sets."""
 
-import json
 from collections.abc import Sequence
 from importlib import resources
 from itertools import pairwise
@@ -15,6 +14,9 @@ from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.stances import SIDES
 from breastrig.core.version import __version__
 from breastrig.drawings.line_error import drawn_error
+from breastrig.languages.catalogue import ENGLISH
+from breastrig.languages.pages import page_data
+from breastrig.languages.translation import Typed
 from breastrig.report.guides.template import TRUE, FlatLine, Piece, length_on_skin
 from breastrig.report.pages.names import spoken
 from breastrig.report.pages.printable import check_printable, installed_fonts
@@ -37,17 +39,28 @@ OUTSIDE = "Where a line is dashed it is more than 1 mm off; dotted, the scan sho
 
 
 def template_pdf(
-    pieces: Sequence[Piece], position: str, identity: Identity = UNNAMED, said: Sequence[str] = ()
+    pieces: Sequence[Piece],
+    position: str,
+    identity: Identity = UNNAMED,
+    said: Sequence[str] = (),
+    language: str = ENGLISH,
 ) -> bytes:
     """The pages; `position` names the stance, `said` are sentences on the fit.  BadInput for a name without glyphs."""
-    return bytes(_set(pieces, position, identity, said))
+    return bytes(_set(pieces, position, identity, said, language))
 
 
-def _set(pieces: Sequence[Piece], position: str, identity: Identity, said: Sequence[str], **form: Any) -> Any:
+def _set(
+    pieces: Sequence[Piece],
+    position: str,
+    identity: Identity,
+    said: Sequence[str],
+    language: str = ENGLISH,
+    **form: Any,
+) -> Any:
     names = [("The name of a line", spoken(each.line.name)) for piece in pieces for each in piece.lines]
     check_printable([("The patient's code", identity.code), *names])
     template = resources.files("breastrig.report.guides").joinpath("template.typ").read_bytes()
-    data = {"data": json.dumps(template_content(pieces, position, identity, said), allow_nan=False)}
+    data = {"data": page_data(template, template_content(pieces, position, identity, said), language)}
     fonts = installed_fonts()
     return typst.compile(template, sys_inputs=data, ignore_system_fonts=True, font_paths=fonts, **form)
 
@@ -61,7 +74,7 @@ def template_content(
     return {
         "title": TITLE,
         "made": None if made is None else [made.year, made.month, made.day],
-        "code": identity.code,
+        "code": Typed(identity.code),
         "position": position,
         "scan": ["scan received" if identity.received else "scanned", scanned],
         "plan": [f"plan, version {identity.plan_version}" if identity.plan_version else "plan", identity.planned],

@@ -4,7 +4,6 @@ The first page shows the scan with the plan and the plan's numbers; then come me
 then a tape sheet of each stance.  The same stances and the same identity give the same bytes.
 """
 
-import json
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import Any
@@ -19,6 +18,9 @@ from breastrig.core.version import __version__
 from breastrig.drawings.line_error import ACROSS, drawn_error
 from breastrig.files.result import Distances, ResultFile, SurfaceDistances
 from breastrig.fitting.uncertainty.radii import HOLDS_90
+from breastrig.languages.catalogue import ENGLISH
+from breastrig.languages.pages import page_data
+from breastrig.languages.translation import Typed
 from breastrig.report.bands import KNOWN_MM, margin_text, sure_text
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import OUTLINE
@@ -98,6 +100,12 @@ NO_TRUE_SIZE = (
     "The size of a scan is not known: lengths may be {:.0f} % off, volumes {:.0f} %, also beyond their bands."
 )
 ASKED = "These numbers were asked for on another scan; what is drawn there is measured in that scan's report."
+ENCLOSED = (
+    "In columns from the skin inside the line to the estimated chest wall, a depth from the nearest skin; in brackets "
+    "the wall at both ends of its interval (90 %). Grams at {:g} ± {:g} g/ml (one specimen). Breasts down to that wall "
+    "({}): more than the volume among the measures, which ends before the fat behind the breast. No shape after the "
+    "operation is predicted."
+)
 UNSEEN = "The scan shows no skin next to it: its depth is the model's guess."
 REPORTED = (("by the clock", "clock"), ("beside the report of radiology", "radiology"))
 PIXELS_PER_MM = 7.0  # 180 to the inch
@@ -107,15 +115,15 @@ SMALL = (42.0, 44.0)  # mm, the map of uncertainty
 Table = dict[str, Any]
 
 
-def report_pdf(stances: Sequence[Reported], identity: Identity = UNNAMED) -> bytes:
+def report_pdf(stances: Sequence[Reported], identity: Identity = UNNAMED, language: str = ENGLISH) -> bytes:
     """The pages of one or two stances; BadInput where a word has characters that no font has."""
-    template, content = _set(stances, identity)
+    template, content = _set(stances, identity, language)
     return typst.compile(template, sys_inputs={"data": content}, ignore_system_fonts=True, font_paths=installed_fonts())
 
 
-def report_pages(stances: Sequence[Reported], identity: Identity = UNNAMED) -> list[bytes]:
+def report_pages(stances: Sequence[Reported], identity: Identity = UNNAMED, language: str = ENGLISH) -> list[bytes]:
     """The same pages as PNG, sharp enough to be printed; BadInput likewise."""
-    template, content = _set(stances, identity)
+    template, content = _set(stances, identity, language)
     pages = typst.compile(
         template,
         sys_inputs={"data": content},
@@ -127,11 +135,11 @@ def report_pages(stances: Sequence[Reported], identity: Identity = UNNAMED) -> l
     return [bytes(page) for page in ([pages] if isinstance(pages, bytes) else pages)]
 
 
-def _set(stances: Sequence[Reported], identity: Identity) -> tuple[bytes, str]:
+def _set(stances: Sequence[Reported], identity: Identity, language: str) -> tuple[bytes, str]:
     """The template and its data; BadInput where a written word has characters that no font has."""
     check_printable([("The patient's code", identity.code), *_written(stances)])
     template = resources.files("breastrig.report.pages").joinpath("report.typ").read_bytes()
-    return template, json.dumps(report_content(stances, identity), allow_nan=False)
+    return template, page_data(template, report_content(stances, identity), language)
 
 
 def _written(stances: Sequence[Reported]) -> list[tuple[str, str]]:
@@ -152,7 +160,7 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
     return {
         "title": TITLE,
         "made": None if made is None else [made.year, made.month, made.day, made.hour, made.minute, made.second],
-        "code": identity.code,
+        "code": Typed(identity.code),
         "facts": _facts(stances, identity),
         "program": f"BreastRig {__version__}",
         "limits": LIMITS_OF_USE,
@@ -259,10 +267,13 @@ def _planned(shown: Sequence[tuple[str, PlannedItem]]) -> Table:
             values += [(what, value) for value in each]
         else:
             values.append((what, ", ".join(f"{value} {stance}" for value, stance in each.items())))
-    text = " ".join(dict.fromkeys(item.text for _, item in shown if item.text))
+    text, words = (
+        " ".join(dict.fromkeys(filter(None, each)))
+        for each in zip(*((item.text, item.said) for _, item in shown), strict=True)
+    )
     if values and not any(item.is_drawn for _, item in shown):
-        text = f"{ASKED} {text}".rstrip()
-    return {"name": shown[0][1].name, "values": values, "text": text}
+        words = f"{ASKED} {words}".rstrip()
+    return {"name": shown[0][1].name, "values": values, "text": Typed(text), "said": words}
 
 
 def _lesions(stances: Sequence[Reported]) -> list[Table]:
@@ -270,7 +281,7 @@ def _lesions(stances: Sequence[Reported]) -> list[Table]:
     shown = [(one.name, lesion) for one in stances for lesion in one.lesions]
     return [
         {
-            "name": next(lesion["name"] for _, lesion in shown if lesion["id"] == each),
+            "name": Typed(next(lesion["name"] for _, lesion in shown if lesion["id"] == each)),
             "stances": [
                 {
                     "stance": stance,
@@ -307,8 +318,11 @@ def _resections(one: Reported, is_named: bool) -> list[Table]:
                 ]
                 for row in each.rows
             ],
-            "breasts": f"{SIDES[each.side]} {_ml(each.breast)} ml, other side {_ml(each.other_breast)} ml",
-            "density": f"{numbers.density_g_per_ml:g} ± {numbers.density_deviation:g} g/ml",
+            "how": ENCLOSED.format(
+                numbers.density_g_per_ml,
+                numbers.density_deviation,
+                f"{SIDES[each.side]} {_ml(each.breast)} ml, other side {_ml(each.other_breast)} ml",
+            ),
         }
         for each in one.resections
     ]

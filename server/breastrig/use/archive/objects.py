@@ -82,7 +82,7 @@ def objects_of(job: ReportJob, identities: Path | None = None, rig: Rig | None =
             quality="" if result.verdict is None else result.verdict.level,
             scanned=None if job.identity.received else _day(job.identity.scanned),
             made=datetime.fromtimestamp((job.fit / RESULT).stat().st_mtime),
-            pdf=pdf_of([one], job.identity),
+            pdf=pdf_of([one], job),
             surfaces=surfaces,
             rows=flat_rows([(one.name, one.rows)]),
         )

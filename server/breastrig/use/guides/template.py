@@ -30,7 +30,7 @@ def template_pdf_of(job: ReportJob, rig: Rig | None = None) -> bytes:
 
     fit, stance, said = _planned_stance(job, rig)
     pieces, left_out = template(stance)
-    return template_pdf(pieces, stance_said(fit.result), job.identity, [*said, *left_out, *job.doubts])
+    return template_pdf(pieces, stance_said(fit.result), job.identity, [*said, *left_out, *job.doubts], job.language)
 
 
 def guide_stl_of(job: ReportJob, side: str, rig: Rig | None = None) -> bytes:

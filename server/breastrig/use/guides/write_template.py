@@ -10,6 +10,7 @@ from breastrig.core.one_thread import one_thread
 from breastrig.core.output_files import all_or_nothing, single_file
 from breastrig.core.private_files import write_private
 from breastrig.files.result import FIT_FILES, read_result
+from breastrig.languages.catalogue import Language
 from breastrig.use.folder.earlier_fits import unchecked
 from breastrig.use.guides.template import guide_said, guide_stl_of, template_pdf_of
 from breastrig.use.report import identity_of, plan_of
@@ -29,6 +30,7 @@ def write_template(
     side: Literal["", "L", "R"] = "",
     code: str = "",
     same_patient: bool = False,
+    language: Language = "en",
     force: bool = False,
     model: Model = None,
     asked_to_stop: Callable[[], None] = lambda: None,
@@ -44,6 +46,7 @@ def write_template(
         side: Of a guide, the patient's.
         code: The patient's code, never a name; empty: that of the fit.
         same_patient: Whether the plan is this patient's though its file names another.
+        language: Of the PDF: en or de.
         force: Replaces the file; never what was read.
         model: Of folders, where it is not the package's; a `Fit` has its own.
         asked_to_stop: Called before the file is put in place; it may raise.
@@ -69,6 +72,7 @@ def write_template(
             folders[1] if len(folders) > 1 else None,
             plan=document,
             same_patient=same_patient,
+            language=language,
             identity=identity_of([read_result(folders[0])], code, document),
             doubts=unchecked(each for each in (fit, other) if isinstance(each, str | Path)),
         )

@@ -11,6 +11,7 @@ from breastrig.drawings.handles.as_drawn import as_drawn, differs
 from breastrig.drawings.pattern_parameters import PatternParameter, parameters_of
 from breastrig.drawings.patterns import LABELS, PATTERNS, pattern_of
 from breastrig.drawings.plan_schema import PlanItem, PlanLesion, PlanLine, PlanNote, PlanPattern, PlanTumour, asked_of
+from breastrig.languages.translation import Typed
 from breastrig.report.document import PlannedItem
 from breastrig.report.pages.names import plainly, spoken
 from breastrig.use.folder.fit_folder import FitFolder
@@ -32,6 +33,7 @@ def planned_items(
             item.id,
             _name(item, fit),
             _values(item, fit if item.id in here else None),
+            item.text if isinstance(item, PlanNote) else "",
             _text(item, missing),
             item.id in here or item.id in missing or not isinstance(item, PlanPattern | PlanTumour),
         )
@@ -54,9 +56,9 @@ def texts_of(items: Sequence[PlanItem]) -> list[tuple[str, str]]:
 
 def _name(item: PlanItem, fit: FitFolder) -> str:
     if isinstance(item, PlanLine):
-        return item.label or spoken(item.name)
+        return Typed(item.label) if item.label else spoken(item.name)
     if isinstance(item, PlanLesion):
-        return item.name if item.name.lower().startswith("lesion") else f"Lesion, {item.name}"
+        return Typed(item.name) if item.name.lower().startswith("lesion") else f"Lesion, {item.name}"
     if isinstance(item, PlanNote):
         return "Note"
     if isinstance(item, PlanTumour):
@@ -135,7 +137,7 @@ def _text(item: PlanItem, missing: Mapping[str, str]) -> str:
     if isinstance(item, PlanPattern) and item.name in PATTERNS:
         for parameter in parameters_of(PATTERNS[item.name]).values():
             why = why.replace(f"{parameter.name} of {item.name}", parameter.label)
-    return f"{item.text} {why}".rstrip() if isinstance(item, PlanNote) else why
+    return why
 
 
 def clock(hour: float) -> str:

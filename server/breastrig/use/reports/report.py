@@ -23,6 +23,7 @@ from breastrig.drawings.plan_schema import PLAN_SCHEMA, PlanLine, checked_plan
 from breastrig.files.result import Distances, ResultFile, damaged, folder_name, joint_covariance
 from breastrig.geometry.polyline import Polyline
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.languages.catalogue import ENGLISH
 from breastrig.report.document import PlannedItem, Reported, report_document, stance_names, stance_said
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
@@ -52,6 +53,7 @@ class ReportJob:
     doubts: tuple[str, ...] = ()  # whether both fits are of one patient
     cuts: tuple[tuple[dict[str, Any], ...], ...] = ()  # of each fit's scan, made by hand: what is not shown any more
     names_marks: bool = True  # False: for others to see
+    language: str = ENGLISH  # of the pages
 
 
 REPORT_RECORD = "report.json"
@@ -227,32 +229,32 @@ def _check_distances(folder: Path, result: ResultFile) -> None:
         raise damaged(folder_name(folder), "landmark_distance_mm")
 
 
-def pdf_of(stances: list[Reported], identity: Identity) -> bytes:
+def pdf_of(stances: list[Reported], job: ReportJob) -> bytes:
     from breastrig.report.pages.pdf import report_pdf  # the typesetter is 80 MB, and the server makes no PDF itself
 
-    return report_pdf(stances, identity)
+    return report_pdf(stances, job.identity, job.language)
 
 
-def _pages(stances: list[Reported], identity: Identity) -> bytes:
+def _pages(stances: list[Reported], job: ReportJob) -> bytes:
     from breastrig.report.pages.pdf import report_pages  # likewise
 
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as pages:  # PNG is packed already
-        for number, page in enumerate(report_pages(stances, identity), 1):
+        for number, page in enumerate(report_pages(stances, job.identity, job.language), 1):
             pages.writestr(f"{number}.png", page)
     return packed.getvalue()
 
 
 def report_files(job: ReportJob, pdf_name: str = "report.pdf") -> dict[str, bytes]:
     """report.json, measures.csv and the PDF."""
-    return _files(reported(job), job.identity, pdf_name)
+    return _files(reported(job), job, pdf_name)
 
 
-def _files(stances: list[Reported], identity: Identity, pdf_name: str) -> dict[str, bytes]:
+def _files(stances: list[Reported], job: ReportJob, pdf_name: str) -> dict[str, bytes]:
     return {
         REPORT_RECORD: json_bytes(report_document(stances)),
         MEASURES_TABLE: _measures_csv(stances),
-        pdf_name: pdf_of(stances, identity),
+        pdf_name: pdf_of(stances, job),
     }
 
 
@@ -272,26 +274,26 @@ def write_three_files(job: ReportJob, folder: Path, pdf_name: str, rig: Rig | No
     BadInput when the folder cannot be written.
     """
     stances = reported(job, rig)
-    write_files(_files(stances, job.identity, pdf_name), folder)
-    planned = (each.text for stance in stances for each in stance.plan if each.text.startswith(NOT_DRAWN))
+    write_files(_files(stances, job, pdf_name), folder)
+    planned = (each.said for stance in stances for each in stance.plan if each.said.startswith(NOT_DRAWN))
     return tuple(dict.fromkeys((*(why for stance in stances for why in stance.result.drawing_missing), *planned)))
 
 
 def report_pdf_of(job: ReportJob) -> bytes:
     """The PDF alone: what the service's worker makes."""
-    return _within_memory(lambda: pdf_of(reported(job), job.identity))
+    return _within_memory(lambda: pdf_of(reported(job), job))
 
 
-def protocol_pdf_of() -> bytes:
+def protocol_pdf_of(language: str = ENGLISH) -> bytes:
     """The page for taking scans with marks."""
     from breastrig.report.pages.protocol import protocol_pdf  # likewise
 
-    return protocol_pdf()
+    return protocol_pdf(language)
 
 
 def report_pages_of(job: ReportJob) -> bytes:
     """The pages as pictures: a zip of 1.png, 2.png, …"""
-    return _within_memory(lambda: _pages(reported(job), job.identity))
+    return _within_memory(lambda: _pages(reported(job), job))
 
 
 def measures_json_of(job: ReportJob) -> bytes:

@@ -26,6 +26,7 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.gltf.link_mesh import coloured_mesh, plain_mesh
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.gltf.replay import fitted_glb
+from breastrig.languages.catalogue import ENGLISH
 from breastrig.report.files.geometry_files import surface_ply
 from breastrig.rig.modes import mode_count
 from breastrig.rig.skinning import in_pose
@@ -51,6 +52,7 @@ class SnapshotJob:
     has_notes: bool = False  # of the plan
     cuts: tuple[dict[str, Any], ...] = ()  # by hand, see scan/hand_cuts.py
     model: Path | None = None  # None: the torso of the package
+    language: str = ENGLISH  # of the report
 
 
 OF_THE_MODEL = (  # of result.json
@@ -122,6 +124,7 @@ def _of_scan(job: SnapshotJob, fit: FitFolder, cut: Booleans, plan: dict[str, An
         identity=job.identity,
         cuts=(job.cuts,),
         names_marks=False,
+        language=job.language,
     )
     with suppress(BreastRigError):  # then the link offers none
         files["report.pdf"] = report_pdf_of(report)

@@ -6,6 +6,7 @@ from apiflask import APIBlueprint
 from werkzeug.security import generate_password_hash
 
 from breastrig.api.app_context import app_context
+from breastrig.api.language import current_language
 from breastrig.api.routes.shares.share_credential import new_token, token_sha256
 from breastrig.api.share_limits import WRONG_PASSCODES
 from breastrig.api.wire import common as wire
@@ -50,7 +51,7 @@ def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_s
         snapshot=None,
         snapshot_at=None,
     )
-    share = app_context().service.shares.add(share, token_sha256(token))
+    share = app_context().service.shares.add(share, token_sha256(token), current_language())
     answer = wire_shares.ShareMade(url=f"/s#{token}", **share_answer(share).model_dump())
     return answer, 201, {"Location": answer.links.self}
 
@@ -100,7 +101,7 @@ def refresh(fit_id: str, share_id: str) -> wire_shares.Share:
 
     The plan and what is cut away as they are now, to all who have the link.
     """
-    return share_answer(app_context().service.shares.refresh(fit_id, share_id))
+    return share_answer(app_context().service.shares.refresh(fit_id, share_id, current_language()))
 
 
 @shares.post("/<fit_id>/shares/<share_id>/unlock")

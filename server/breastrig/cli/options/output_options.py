@@ -9,6 +9,7 @@ from breastrig.cli.interruption import raise_if_asked
 from breastrig.core.assets import model_path
 from breastrig.core.output_files import Output, OutputSet, single_file
 from breastrig.files.result import FIT_FILES
+from breastrig.languages.catalogue import ENGLISH, LANGUAGES
 
 MISFIT = 4  # exit code: all is written, but a pattern or an item does not fit on this patient
 
@@ -47,6 +48,10 @@ def add_same_patient(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="all is one patient's: a plan or drawing whose file names another, or scans that do not look like one's",
     )
+
+
+def add_language(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--language", choices=LANGUAGES, default=ENGLISH, help="of the pages (default en)")
 
 
 def output_folder(options: argparse.Namespace, sets: Iterable[OutputSet], inputs: Iterable[Path | None]) -> Output:
