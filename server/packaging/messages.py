@@ -376,10 +376,10 @@ def all_msgids() -> dict[str, set[str]]:
 
 
 def of_the_templates() -> dict[str, set[str]]:
-    """The words of Typst templates, t("word")."""
+    """The words of pages, t("word")."""
     return {
         word: {path.name}
-        for path in PACKAGE.rglob("*.typ")
+        for path in (*PACKAGE.rglob("*.typ"), *PACKAGE.rglob("*.html"))
         for word in re.findall(r't\("([^"]+)"\)', path.read_text("utf-8"))
     }
 

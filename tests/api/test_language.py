@@ -63,3 +63,11 @@ def test_what_is_edited_and_sent_back_is_the_same_in_every_language(client: Flas
     client.set_cookie("breastrig_language", "de")
     after = client.get(place)
     assert (after.json, after.headers.get("ETag")) == (before.json, before.headers.get("ETag"))
+
+
+def test_the_page_to_sign_in_at_speaks_it(client: FlaskClient) -> None:
+    client.set_cookie("breastrig_language", "de")
+    answer = client.get("/sign-in")
+    assert '<html lang="de">' in answer.text
+    assert "Dieser Dienst verlangt kein Token." in answer.text
+    assert answer.headers["Content-Language"] == "de"

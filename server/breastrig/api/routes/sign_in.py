@@ -10,6 +10,7 @@ random hexadecimal digits take more than 10^10 years.
 """
 
 import hmac
+from functools import partial
 
 from flask import Blueprint, Response, redirect, render_template, request, url_for
 
@@ -18,6 +19,8 @@ from breastrig.api.access.provider import NotSignedIn
 from breastrig.api.access.session import end_session, in_session, start_persons_session, start_session
 from breastrig.api.answers import CHECK_AGAIN, bytes_answer
 from breastrig.api.app_context import app_context
+from breastrig.api.language import current_language, in_language
+from breastrig.languages.translation import said
 
 sign_in = Blueprint("sign_in", __name__, template_folder="templates")
 
@@ -113,8 +116,10 @@ def _page(problem: str = "", status: int = 200) -> Response:
     by = "people" if context.provider else "proxy" if people else "token" if token else ""
     signed_in = person is not None or (by == "token" and token is not None and in_session(token, storage))
     note = problem if by else NOT_NEEDED
-    html = render_template("sign_in.html", by=by, note=note, signed_in=signed_in, name=person and person.name)
-    return Response(html, status, mimetype="text/html", headers=PAGE_HEADERS)
+    shown = {"by": by, "note": note, "signed_in": signed_in, "name": person and person.name}
+    language = current_language()
+    html = render_template("sign_in.html", **shown, language=language, t=partial(said, language=language))
+    return in_language(Response(html, status, mimetype="text/html", headers=PAGE_HEADERS))
 
 
 def _too_many(seconds: int) -> Response:
