@@ -2,7 +2,7 @@
 // halo, and the page says so.
 import { expect, type Page } from "@playwright/test";
 import type { Checks, Fit, Vector } from "../src/api/types";
-import "./english"; // before the words
+import "./words"; // before those that ask for some
 import * as text from "../src/checks/text";
 import { overlaps, seriousFindings, smallTargets } from "./audit";
 import { addToPlan, distance, hook, test, until, untilFitted, untilStill } from "./page";

@@ -5,7 +5,7 @@ import { readdirSync, readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { expect, type Page } from "@playwright/test";
 import type { CarriedDrawing, MeasuresFile, PlanOnScan, Vector } from "../src/api/types";
-import "./english"; // before the words
+import "./words"; // before those that ask for some
 import { measuresTable, saidOf } from "../src/stances/measures/measuresTable";
 
 import { expectForEverybody } from "./audit";

@@ -4,7 +4,7 @@ import { join, resolve } from "node:path";
 import { type CDPSession, expect, type Locator, type Page, test as plain } from "@playwright/test";
 import type { LandmarkFile, Vector } from "../src/api/types";
 import { mmFrom } from "../src/ui/units";
-import "./english";
+import "./words";
 
 const EXAMPLE = resolve(import.meta.dirname, "../../model_assets/example/standing");
 export const SCAN_FILE = join(process.env.BREASTRIG_E2E_EXAMPLES ?? "", "standing", "scan.ply"); // the service's own
@@ -114,7 +114,10 @@ export async function fittedExample(page: Page, base: string, { stances = ["stan
 }
 
 /** A scan of the example patient, as the first page offers it. */
-export const example = (page: Page, name: "standing" | "supine" = "standing"): Promise<void> => inMenu(page, "example-menu", `.*${name}$`);
+export async function example(page: Page, name: "standing" | "supine" = "standing"): Promise<void> {
+  await page.locator("[popovertarget=example-menu]").click();
+  await page.locator(`#example-menu [data-example=${name}]`).click();
+}
 /** What of scan and model is shown, or what else can be switched on the stage. */
 export const look = (page: Page, name: "Skin" | "Both" | "Model" | "Distances" | "Left on right" | "Table and loose pieces" | "Turn both together" | "The scan's own colours"): Promise<void> => inMenu(page, "look-menu", name);
 /** From which side the body is seen. */

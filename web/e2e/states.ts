@@ -1,6 +1,8 @@
 // The states of the page in the order in which a person meets them, for whoever looks at all of them: accessibility,
 // sizes of targets, pictures.  A running fit is held at an iteration, so that it can be looked at.
 import { expect, type Page } from "@playwright/test";
+import { word } from "../src/languages/words";
+import { said } from "./words";
 import { example, hook, openShare, until, untilFitted } from "./page";
 
 export interface StateOfPage {
@@ -51,7 +53,7 @@ export const STATES: readonly StateOfPage[] = [
     name: "empty",
     reach: async (page, base) => {
       await page.goto(base);
-      await expect(page.getByRole("button", { name: "Try the example" })).toBeVisible();
+      await expect(page.getByRole("button", { name: said("patients.home.example") })).toBeVisible();
     },
   },
   {
@@ -85,7 +87,7 @@ export const STATES: readonly StateOfPage[] = [
   {
     name: "fitting",
     reach: async (page) => {
-      await page.getByRole("button", { name: /^Fit with \d+ landmarks$/ }).click();
+      await page.getByRole("button", { name: said("fit.with") }).click();
       await until(page, (held) => (window.__breastrig?.state().fit?.shown ?? -1) >= held - 2, HELD_AT);
     },
   },
@@ -102,10 +104,10 @@ export const STATES: readonly StateOfPage[] = [
     name: "share dialog",
     reach: async (page) => {
       await openShare(page);
-      const dialog = page.getByRole("dialog", { name: "Share this result" });
-      await dialog.getByLabel("It shows").selectOption("plain");
-      await dialog.getByRole("button", { name: "Make a link" }).click();
-      await expect(dialog.getByLabel("Address of the link")).toHaveValue(/\/s#/);
+      const dialog = page.getByRole("dialog", { name: said("share.title") });
+      await dialog.getByLabel(word("share.shown")).selectOption("plain");
+      await dialog.getByRole("button", { name: said("share.make") }).click();
+      await expect(dialog.getByLabel(word("share.link"))).toHaveValue(/\/s#/);
     },
   },
   {
@@ -121,8 +123,8 @@ export const STATES: readonly StateOfPage[] = [
     reach: async (page) => {
       await closeDialog(page);
       await openShare(page);
-      await page.getByRole("dialog").getByRole("button", { name: "Make a link" }).click();
-      const address = page.getByLabel("Address of the link");
+      await page.getByRole("dialog").getByRole("button", { name: said("share.make") }).click();
+      const address = page.getByLabel(word("share.link"));
       await expect(address).toHaveValue(/\/s#/);
       await page.goto(await address.inputValue());
       await hook.ready(page);

@@ -1,8 +1,9 @@
-// Pictures of every state of the page: light and dark, desktop and tablets.  BREASTRIG_SHOW_STATES: names, by commas.
+// Pictures of every state of the page: light and dark, desktop and tablets.  BREASTRIG_SHOW_STATES: names, by commas; BREASTRIG_SHOW_LANGUAGE: de.
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { expect, test } from "@playwright/test";
 import { holdFits, STATES } from "../../e2e/states";
+import { choose, type Language, speakIn } from "../../e2e/words";
 
 const SCREENS = {
   desktop: { viewport: { width: 1280, height: 720 } },
@@ -11,6 +12,8 @@ const SCREENS = {
 } as const;
 
 const wanted = (process.env.BREASTRIG_SHOW_STATES ?? "").split(",").filter((name) => name !== "");
+const language = (process.env.BREASTRIG_SHOW_LANGUAGE ?? "en") as Language;
+speakIn(language);
 const screens = (process.env.BREASTRIG_SHOW_SCREENS ?? "desktop,tablet,upright").split(",") as (keyof typeof SCREENS)[];
 
 for (const screen of screens) {
@@ -19,6 +22,7 @@ for (const screen of screens) {
     mkdirSync(folder, { recursive: true });
     const page = await (await browser.newContext({ ...SCREENS[screen], reducedMotion: "reduce" })).newPage();
     await holdFits(page);
+    await choose(page, process.env.BREASTRIG_E2E_BASE!, language);
     for (const [i, { name, reach }] of STATES.entries()) {
       await page.emulateMedia({ colorScheme: "light", reducedMotion: "reduce" });
       await reach(page, process.env.BREASTRIG_E2E_BASE!);

@@ -54,6 +54,12 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
     });
   }
 
+  function exampleItem(name: string, label: string): HTMLButtonElement {
+    const item = menuItem(label, "", () => bring.examples([name]));
+    item.dataset.example = name;
+    return item;
+  }
+
   let written: unknown[] = [];
   let made = new Map<string, HTMLElement>(); // cards by what they show
   return {
@@ -66,7 +72,7 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
       examples.element.classList.toggle("is-out", known.length === 0);
       const together = known.filter(({ stance }, i) => known.findIndex((each) => each.stance === stance) === i).map(({ name }) => name); // one of each stance
       fill(examples.card, known, () =>
-        [...(together.length > 1 ? [menuItem(words.allExamples, "", () => bring.examples(together))] : []), ...known.map(({ name, label }) => menuItem(label, "", () => bring.examples([name])))].map((item) => {
+        [...(together.length > 1 ? [menuItem(words.allExamples, "", () => bring.examples(together))] : []), ...known.map(({ name, label }) => exampleItem(name, label))].map((item) => {
           item.addEventListener("click", () => examples.close());
           return item;
         }),

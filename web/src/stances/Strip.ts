@@ -1,7 +1,6 @@
 // To the left: all scans of the patient.  One tap shows one, a second one beside it, another tap puts it away.
 import { fingersMark, fingersOf, saidWide } from "../fit/fingers";
 import { locale } from "../languages/words";
-import { stanceLabel } from "../scan/text";
 import { el, fill } from "../ui/dom";
 import type { Panel } from "../ui/Panel";
 import type { StancesActions } from "./actions";
@@ -24,7 +23,7 @@ export function createStrip<More extends StripShown & { readonly isStarting: boo
   const element = el("nav", { class: "strip", "aria-label": words.label }, days);
 
   function thumb(of: Thumb & { readonly points: number }, isBusy: boolean): HTMLElement {
-    const name = of.isImage ? words.image : stanceLabel(of.stance);
+    const name = of.isImage ? words.image : words.names[of.stance];
     const about = [...(of.isPredicted ? [] : [time.format(new Date(of.at))]), ...(of.pane === null ? [] : [words.pane(of.pane)]), ...(of.mm === undefined ? [] : [words.lines(saidWide(of.mm))]), ...(of.points > 0 ? [words.points(of.points)] : [])];
     return el(
       "button",

@@ -4,6 +4,7 @@ import { inStance, stanceLabel } from "../scan/text";
 
 export const strip = {
   label: word("stances.strip.label"),
+  names: { standing: word("stances.strip.names.standing"), supine: word("stances.strip.names.supine"), prone: word("stances.strip.names.prone") }, // short: a picture is not wider
   today: word("stances.strip.today"),
   image: word("stances.strip.image"),
   predicted: word("stances.strip.predicted"),
