@@ -5,6 +5,8 @@ import json
 import pytest
 from flask.testing import FlaskClient
 
+from breastrig.api.language import event_said
+
 GONE = "There is no such fit; it may have been deleted."
 GONE_DE = "Diese Anpassung gibt es nicht; vielleicht wurde sie gelöscht."
 
@@ -71,3 +73,13 @@ def test_the_page_to_sign_in_at_speaks_it(client: FlaskClient) -> None:
     assert '<html lang="de">' in answer.text
     assert "Dieser Dienst verlangt kein Token." in answer.text
     assert answer.headers["Content-Language"] == "de"
+
+
+def test_labels_are_german_and_names_are_not() -> None:
+    areola = {"name": "areola_mm", "label": "New areola", "about": "diameter of the new areola; 40 to 45 is usual"}
+    english = {"patterns": [{"name": "standing", "label": "Reduction (Wise pattern)", "parameters": [areola]}]}
+    areola_de = areola | {"label": "Neue Areola", "about": "Durchmesser der neuen Areola; üblich sind 40 bis 45"}
+    german = {"patterns": [{"name": "standing", "label": "Reduktion (Wise-Muster)", "parameters": [areola_de]}]}
+    assert json.loads(event_said(json.dumps(english).encode(), "de")) == german
+    verdict = json.dumps({"verdict": {"about": ["left"]}}).encode()  # what a program reads
+    assert json.loads(event_said(verdict, "de")) == json.loads(verdict)

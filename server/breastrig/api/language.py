@@ -15,8 +15,8 @@ COOKIE = "breastrig_language"
 FIELDS = frozenset(  # of answers and events, that hold sentences or labels of ours for people
     {
         "detail", "message", "problem", "reason", "reasons", "says", "doubts", "notes", "notice", "limit",
-        "label", "definition", "not_proposed.*", "unit_reason", "size_doubt", "stance_reason", "stop_reason", "method",
-        "said.*", "choices.text", "clock.text", "radiology.text",
+        "label", "parameters.about", "definition", "not_proposed.*", "unit_reason", "size_doubt", "stance_reason",
+        "stop_reason", "method", "said.*", "choices.text", "clock.text", "radiology.text",
     }
 )  # fmt: skip
 NAMES = frozenset(field.partition(".")[0 if field.endswith("*") else 2] or field for field in FIELDS)
