@@ -316,7 +316,7 @@ def fit_messages(rig: Rig) -> frozenset[str]:
 STEPS: Mapping[str, tuple[str, str]] = {  # of a case: its routes (the first step that has one counts), and its names
     "share": ("/api/shared/|/shares", ""),
     "service": (
-        "/api/meta|/api/session|/api/models|/api/examples|/healthz|/readyz|/metrics",
+        "/api/meta|/api/session|/api/models|/api/examples|/api/audit|/healthz|/readyz|/metrics",
         "example Example load_model Rig __version__",
     ),
     "landmarks": (

@@ -57,7 +57,14 @@ class Patient:
     def address(self, rule: str) -> str:
         ids = {"scan_id": self.scan, "fit_id": self.fit, "share_id": self.share["id"], "patient_id": self.patient}
         name = "lumpectomy" if "/drawings/" in rule else "standing"
-        ids |= {"version": "1", "iteration": "0", "name": name, "kind": "pp", "sha256": self.model}
+        ids |= {
+            "deleted_id": self.patient,
+            "version": "1",
+            "iteration": "0",
+            "name": name,
+            "kind": "pp",
+            "sha256": self.model,
+        }
         return re.sub(r"<(?:\w+:)?(\w+)>", lambda found: ids[found[1]], rule)
 
 
@@ -265,6 +272,8 @@ def expected(credential: str, call: Call) -> set[int]:
             if rule.endswith(("/unlock", "/refresh")) or body(call, Patient("", "", "", {"url": ""}, ""))
             else {201, 409, 415, 422}
         )
+    if rule.endswith("/certificate.pdf"):
+        return {404}  # of a patient who is there
     return {422} if rule.endswith(REFUSED) else {200}
 
 

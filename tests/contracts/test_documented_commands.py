@@ -96,6 +96,22 @@ LISTED = {  # why they are not run here, or the test that runs them
         'breastrig case visit patient/ --scan 2 --date 2026-09-01 --label "6 months"',
         "breastrig visits patient/ -o visits/",
     ],
+    "tests/cli/test_audit_command.py": [
+        "breastrig audit list DATA --of ID --since 2026-11-01",
+        "breastrig audit check DATA",
+        "breastrig audit check",
+        "breastrig audit certificate DATA ID -o deleted.pdf",
+        "breastrig audit check DATA --anchor 1273:9d3f...",
+    ],
+    "tests/backup/test_backup.py": [
+        "breastrig backup /mnt/backups/ DATA",
+        "breastrig restore /mnt/backups/breastrig-2026-11-29T101500Z.age NEW --audit DATA",
+        "breastrig backup",
+        "age -d FILE | tar x",
+    ],
+    "tests/cli/test_serve_command.py, as `breastrig serve`": [
+        "breastrig serve --data NEW",
+    ],
     "tests/report/test_protocol.py": [
         "breastrig protocol -o protocol.pdf",
     ],
@@ -280,7 +296,7 @@ def test_what_the_lines_name_is_there(
         if words[0] == "breastrig" and words[1] != "COMMAND":
             assert words[1] in commands, line
             options = [word for word in words[2:] if word.startswith("-")]
-            verb = words[2:3] if words[1] in ("case", "model", "cohort", "presets") and options else []
+            verb = words[2:3] if words[1] in ("audit", "case", "model", "cohort", "presets") and options else []
             command = " ".join([words[1], *verb])
             if options and command not in helps:
                 with pytest.raises(SystemExit):

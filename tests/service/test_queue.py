@@ -192,7 +192,7 @@ def test_deleting_a_scan_stops_its_fits_and_leaves_nothing(serving, storage: Sto
         with pytest.raises(NotFound):
             get_scan(service.storage, scan_id)
         left = _files(storage.root)
-        ours = ("models/", "index")
+        ours = ("models/", "index", "audit/")
         assert {name for name in left if not name.startswith(ours)} == {"lock", "installation"}
         left = bytes_below(storage.root, "index-*")
         assert not any(one.encode() in left for one in (scan_id, *fit_ids))

@@ -5,6 +5,7 @@ from typing import Any
 from apiflask import APIFlask
 from flask.json.provider import DefaultJSONProvider
 
+from breastrig.api.access.audited import register_audit
 from breastrig.api.access.person import groups_in_reach
 from breastrig.api.access.provider import Provider
 from breastrig.api.access.security import register_security
@@ -15,6 +16,7 @@ from breastrig.api.language import register_language
 from breastrig.api.metrics import Metrics, register_metrics
 from breastrig.api.openapi import finish_document
 from breastrig.api.request_log import log_error_of_request, register_request_log
+from breastrig.api.routes.administration.audit import audit
 from breastrig.api.routes.docs import docs
 from breastrig.api.routes.drawings import drawings
 from breastrig.api.routes.events import events
@@ -55,6 +57,7 @@ def create_app(config: Config, service: Service) -> APIFlask:
         register_request_log(app)
     register_metrics(app, metrics)  # before the guards, so that what they refuse is counted too
     register_security(app, config, service.storage, app.extensions[KEY].rates)
+    register_audit(app, service.audit, service.storage)
     app.wsgi_app = BehindProxy(app.wsgi_app, config.trusted_proxy)  # type: ignore[method-assign]  # as Flask has it
     return app
 
@@ -111,6 +114,7 @@ def _bare_app() -> APIFlask:
         share_page,
         docs,
         sign_in,
+        audit,
         page,
     ):
         app.register_blueprint(blueprint)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from breastrig.cli.cases import actions as actions_of
 from breastrig.cli.cases import options as options_of
+from breastrig.cli.cases.audited import audited
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -48,7 +49,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Returns the exit code of the action."""
     act: Callable[[argparse.Namespace], int] = options.act
-    return act(options)
+    with audited(options):
+        return act(options)
 
 
 def _action(

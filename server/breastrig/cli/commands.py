@@ -34,11 +34,21 @@ COMMANDS = {
     "worker": "run fits for a Dask scheduler",
     "config": "show the settings of the service",
     "index": "make the index of a data folder's cases again",
+    "audit": "who opened, changed, exported or deleted what; its check",
+    "backup": "a data folder in one encrypted file, also while it is served",
+    "restore": "a backup into a new data folder",
     "purge": "delete stored scans and all that was made of them",
 }
 
 OF_THE_SERVER = ("serve", "config", "purge")  # they need the extra `server`
-OF_UNIX = (*OF_THE_SERVER, "batch", "index", "worker")  # processes with limits, and locks of folders
+OF_UNIX = (
+    *OF_THE_SERVER,
+    "backup",
+    "batch",
+    "index",
+    "restore",
+    "worker",
+)  # processes with limits, and locks of folders
 
 
 def own_module(command: str) -> Any:
@@ -52,6 +62,8 @@ def own_module(command: str) -> Any:
             raise BadInput(
                 f"`breastrig {command}` needs Linux or macOS; fits, reports and the library work here as well."
             ) from error
+        if command in ("backup", "restore") and (error.name or "").startswith("cryptography"):
+            raise BadInput(f'`breastrig {command}` needs cryptography: pip install "breastrig[backup]".') from error
         if command not in OF_THE_SERVER or (error.name or "").startswith("breastrig"):
             raise
         raise BadInput(f'`breastrig {command}` needs the server: pip install "breastrig[server]".') from error

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from datetime import timedelta
 
 from breastrig.api.settings import read_days
+from breastrig.audit.deletions import deletion
+from breastrig.audit.log import AuditLog
 from breastrig.cases import layout, removal
 from breastrig.cases.case_folder import CaseFolder
+from breastrig.cli.cases.audited import shell
 from breastrig.cli.options.service_options import add_setting_options, chosen_data_folder
 from breastrig.core import wall_clock
 from breastrig.core.errors import BadInput, BadSettings, NotFound
@@ -83,7 +86,7 @@ def purge(storage: Storage, older_than_days: float | None) -> Purged:
         for folder in sorted((storage.root / layout.CASES).iterdir()):
             if layout.ID.fullmatch(folder.name) and (folder / layout.CASE).is_file():
                 try:
-                    deleted += _purge_case(CaseFolder(folder), before)
+                    deleted += _purge_case(CaseFolder(folder), before, AuditLog(storage.root))
                 except BadInput as damaged:
                     trouble.append(f"{folder}: {damaged}")
         left = swept(storage)
@@ -96,14 +99,15 @@ def purge(storage: Storage, older_than_days: float | None) -> Purged:
     return Purged(deleted, tuple(left), tuple(trouble))
 
 
-def _purge_case(case: CaseFolder, before: str | None) -> int:
+def _purge_case(case: CaseFolder, before: str | None, log: AuditLog) -> int:
     """Deletes the scans that came before a time (None: the case); how many they were.  Raises BadInput."""
     scans = case.scan_ids()
     if before is None:
-        removal.delete_case(case)
+        with deletion(log, shell(), "purge", case.path):
+            removal.delete_case(case)
         return len(scans)
     old = [scan_id for scan_id in scans if case.scan(scan_id).created_at < before]
     for scan_id in old:
-        with suppress(NotFound):  # another program was quicker
+        with suppress(NotFound), deletion(log, shell(), "purge", case.path, scan_id):  # or another was quicker
             removal.delete_scan(case, scan_id)
     return len(old)

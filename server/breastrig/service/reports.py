@@ -10,6 +10,7 @@ import zipfile
 from collections.abc import Callable, Hashable, Sequence
 from functools import partial
 
+from breastrig.audit.certificate import Certificate
 from breastrig.core import wall_clock
 from breastrig.core.errors import NotFound
 from breastrig.core.identity import SAYS_NOTHING, Identity, file_name
@@ -97,6 +98,10 @@ class Reports:
         return self._remembered.result(
             ("protocol", language), lambda: self._processes.result(protocol_pdf_of, (language,), WALL_S)
         )
+
+    def certificate(self, found: Certificate) -> bytes:
+        """The certificate of a deletion, PDF."""
+        return self._processes.result(found.pdf, (), WALL_S)
 
     def file_name(self, what: str, *fit_ids: str) -> str:
         """The name of a file of these fits: the patient's code, the stances, the day of the first scan, `what`."""

@@ -12,11 +12,12 @@ Pairs, transfers and reports read more than one, so each has a process of its ow
 import logging
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from breastrig.audit.log import AuditLog, Entry
 from breastrig.cases.lengths import End
 from breastrig.core.errors import BadInput, Conflict, NotFound, NotRemoved
 from breastrig.core.model_choice import model_choice
@@ -83,6 +84,7 @@ class Service:
         keep_days: float | None = KEEP_DAYS,
     ) -> None:
         self.storage = storage
+        self.audit = AuditLog(storage.root)
         self.streams = threading.BoundedSemaphore(streams)
         limits = uploads or UploadLimits()
         fit_limits = fits or FitLimits()
@@ -109,7 +111,7 @@ class Service:
         self.visits = Visits(storage, self._others, self.models)
         self.shares = ShareSnapshots(storage, self._others, self.plans, self.reports, self.models)
         self._notifier = Notifier(storage)
-        self._sweep = Sweep(storage, self.delete_scan, keep_days, self.shares.end_expired)
+        self._sweep = Sweep(storage, self.delete_scan, keep_days, self.shares.end_expired, self.audit)
         self.uploads = Uploads(storage, self._readers, limits, self.models, self._choice, examples)
 
     @contextmanager
@@ -121,6 +123,7 @@ class Service:
                 _log_unremoved(left)
             self.storage.prepare()
             take_over(self.storage)
+            self._open_audit()
             self.models.keep()
             try:
                 self._readers.warm_up()
@@ -136,7 +139,14 @@ class Service:
                 self._notifier.stop()
                 self._queue.stop()
                 self.pool.stop()
+                self.audit.flush()
                 self.storage.close()
+
+    def _open_audit(self) -> None:
+        self.audit.later(Entry("service", "service", "started"))
+        self.audit.flush()
+        with suppress(OSError):  # no room: the line waits
+            log.info("the audit log ends with line %s; kept elsewhere, it is an anchor", self.audit.end())
 
     @property
     def workers(self) -> int:

@@ -15,8 +15,10 @@ import threading
 from collections.abc import Callable
 from datetime import datetime, timedelta
 
+from breastrig.audit.deletions import deletion
+from breastrig.audit.log import AuditLog
 from breastrig.core import wall_clock
-from breastrig.core.errors import NotRemoved
+from breastrig.core.errors import NotFound, NotRemoved
 from breastrig.storage.deletion import look, remove_left
 from breastrig.storage.documents.expiring_scans import AgedScan, aged_scans, announce, withdraw
 from breastrig.storage.storage import Storage, iso_utc
@@ -104,10 +106,12 @@ class Sweep:
         delete: Callable[[str], None],
         keep_days: float | None,
         end_expired: Callable[[], None] = lambda: None,
+        audit: AuditLog | None = None,
     ) -> None:
         self._storage = storage
         self._delete = delete
         self._end_expired = end_expired  # what links showed that are over
+        self._audit = audit or AuditLog(storage.root)
         self._retention = None if keep_days is None else Retention(storage, keep_days)
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run, name="breastrig-sweep", daemon=True)
@@ -127,6 +131,7 @@ class Sweep:
             pause = NEWS_EVERY_S
             try:
                 look(self._storage)
+                self._audit.flush()
                 pause = max(pause, NEWS_SHARE * (wall_clock.uptime_s() - began))
                 if began - tried_at >= RETRY_EVERY_S:
                     tried_at = began
@@ -153,7 +158,10 @@ class Sweep:
             if self._over.is_set():
                 return
             try:
-                self._delete(scan_id)
+                with deletion(self._audit, "service", "too old", self._storage.case_of_scan(scan_id).path, scan_id):
+                    self._delete(scan_id)
+            except NotFound:
+                continue
             except NotRemoved as left:
                 log.error("%d folders of a scan that was too old cannot be removed yet", left.places)
         if found:

@@ -2,6 +2,7 @@
 
 TASK_MODULES = (
     "breastrig.service.fits.fit_worker",
+    "breastrig.audit.certificate",
     "breastrig.use.default_model",  # which also makes the model ready
     *(
         f"breastrig.use.{name}"

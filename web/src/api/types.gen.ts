@@ -18,6 +18,41 @@ export type AskedVisit = {
   stance: "standing" | "supine" | "prone";
 };
 
+export type AuditCheck = {
+  lines: number;
+  /** NUMBER:SHA256 of the last line, to be noted elsewhere */
+  end: string;
+  /** one sentence on the first line that is not as it was written; empty: none */
+  fault: string;
+};
+
+export type AuditLine = {
+  n: number;
+  /** ISO 8601, UTC */
+  at: string;
+  who: string;
+  /** of a person who had signed in */
+  name?: string | null;
+  what: string;
+  /** the call or command */
+  how?: string;
+  /** by kind: patient, scan, fit, link */
+  ids?: Record<string, string>;
+  /** the earlier line that this one is about */
+  line?: number | null;
+  status?: number | null;
+  removes?: Record<string, unknown> | null;
+  left?: number | null;
+  /** of the line's bytes */
+  sha256: string;
+};
+
+export type AuditPage = {
+  /** the newest first */
+  lines: AuditLine[];
+  next: string | null;
+};
+
 export type Bounds = {
   min: [number, number, number];
   max: [number, number, number];

@@ -15,6 +15,10 @@ LEAST = {  # by endpoint
     "persons.stay": Role.LOOK,
     # they are about people, not about patients
     "persons.give_to_group": Role.ADMINISTER,
+    "audit.list_lines": Role.ADMINISTER,
+    "audit.show_page": Role.ADMINISTER,
+    "audit.check_lines": Role.ADMINISTER,
+    "audit.show_log": Role.ADMINISTER,
 }
 WORDS = {Role.PLAN: "may look only", Role.ADMINISTER: "are no administrator"}
 

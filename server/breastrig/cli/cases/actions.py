@@ -3,10 +3,14 @@
 import argparse
 import json
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
+from breastrig.audit.deletions import deletion
+from breastrig.audit.log import log_of_case
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
+from breastrig.cli.cases.audited import shell
 from breastrig.cli.messages.progress import fitted
 from breastrig.cli.options.output_options import output_file
 from breastrig.cli.options.scan_options import say_segments
@@ -27,6 +31,7 @@ IN_TRUE_SIZE = (
 
 def create(options: argparse.Namespace) -> int:
     case = Case.create(options.case, options.code)
+    options.made = {"patient": case.path.name}
     print(f"{case.code} in {case.path}")
     return 0
 
@@ -43,6 +48,7 @@ def add(options: argparse.Namespace) -> int:
         same_place=options.same_place,
         again=options.again,
     )
+    options.made = {"scan": scan_id}
     numbers = {scan.id: number for number, scan in enumerate(case.scans, start=1)}
     scan = next(each for each in case.scans if each.id == scan_id)
     for said in scan.notes:
@@ -215,10 +221,13 @@ def move(options: argparse.Namespace) -> int:
 
 def delete(options: argparse.Namespace) -> int:
     case = Case(options.case)
-    if options.all:
-        case.delete()
-    else:
-        case.delete_scan(_chosen(case, options.scan).id)
+    scan = "" if options.all else _chosen(case, options.scan).id
+    log = log_of_case(case.path)
+    with nullcontext() if log is None else deletion(log, shell(), "case delete", case.path, scan):
+        if scan:
+            case.delete_scan(scan)
+        else:
+            case.delete()
     return 0
 
 

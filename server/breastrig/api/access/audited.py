@@ -1,0 +1,219 @@
+"""What of the requests goes into the audit log: one table from endpoint to kind, and the hooks that write it.
+
+A change or deletion is written before it is done, so none is done that is not written; a second line follows where it
+was refused, or made something.  Openings, exports and refusals are written when they are answered; the same person
+opening the same thing again within five minutes is one opening.
+"""
+
+import sqlite3
+import threading
+import time
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from apiflask import APIFlask
+from flask import Response, g, request
+
+from breastrig.api.access.person import HOLDER, VISITOR, current_person
+from breastrig.audit.deletions import Deletion, begin_deletion
+from breastrig.audit.log import AuditLog, Entry
+from breastrig.cases import layout
+from breastrig.index import questions
+from breastrig.storage.storage import Storage
+
+OPEN, CHANGE, EXPORT, LINK, DELETE = "open", "change", "export", "link", "delete"
+BEFORE = (CHANGE, LINK, DELETE)  # written before it is done
+ONCE_S = 300.0  # openings of one thing by one person
+REMEMBERED = 20_000
+NAME_CHARACTERS = 100
+
+AUDITED = {
+    **dict.fromkeys(
+        (
+            "patients.list_patients", "patients.show_patient", "patients.show_plan", "patients.show_version",
+            "scans.list_scans", "scans.show_scan", "scans.show_mesh", "scans.show_volume",
+            "of_scans.show_landmarks", "of_scans.read_landmark_file", "of_scans.show_cuts",
+            "of_scans.propose_landmarks", "of_scans.find_ink", "drawings.show_drawing",
+            "fits.list_fits", "fits_of_scans.list_fits_of_scan", "fits.show_fit", "fits.show_iteration",
+            "fits.move_landmarks", "events.follow_fit", "events.poll_fit", "patterns.draw_pattern",
+            "patterns.measure_lengths", "plans_of_fits.show_plan_on_fit", "results.show_result",
+            "results.show_fitted_glb", "results.show_drawing", "results.show_distances", "results.show_uncertainty",
+            "results.show_checks", "reports.show_measures", "reports.show_report_page", "transfers.transfer_drawing",
+            "transfers.propose_marks", "shares.list_shares", "shares.show_share", "shared.open_share",
+            "shared.show_shared", "shared.show_result", "shared.show_fitted_glb", "shared.show_drawing",
+            "shared.show_plan", "shared.show_distances", "shared.show_mesh", "audit.list_lines", "audit.check_lines",
+            "audit.show_page",
+            "visits.show_visits", "visits.show_change", "visits.show_change_map", "visits.show_plots",
+            "visits.show_document",
+        ),
+        OPEN,
+    ),
+    **dict.fromkeys(
+        (
+            "scans.upload_scan", "scans.add_lesions", "scans.confirm_model", "meta.open_example",
+            "patients.change_patient", "persons.give_to_group", "patients.replace_plan", "owners.move",
+            "of_scans.replace_landmarks", "of_scans.replace_cuts", "of_scans.give_length", "of_scans.take_length",
+            "of_scans.drop_ink", "visits_of_scans.put_visit",
+            "drawings.replace_drawing", "fits.start_fit", "fits.cancel_fit", "fits.predict_stance",
+        ),
+        CHANGE,
+    ),
+    **dict.fromkeys(
+        (
+            "results.show_result_zip", "results.show_fitted_ply", "reports.show_report", "reports.show_measures_table",
+            "reports.show_template", "reports.show_guide", "reports.show_volume", "of_scans.write_landmark_file",
+            "shared.show_fitted_ply", "shared.show_report", "audit.show_log", "audit.show_certificate",
+        ),
+        EXPORT,
+    ),
+    **dict.fromkeys(("shares.make_share", "shares.remove_share", "shares.refresh", "shares.unlock"), LINK),
+    **dict.fromkeys(("patients.remove_patient", "scans.remove_scan"), DELETE),
+}  # fmt: skip
+
+_PAGE = "The page's own files, which hold nothing of a patient."
+_MODEL = "The model and what is offered for all patients."
+_RUNNING = "How the service is doing; says nothing about patients."
+NOT_AUDITED = {
+    **dict.fromkeys(("page.index", "page.asset", "share_page.page", "share_page.script", "sign_in.style"), _PAGE),
+    **dict.fromkeys(("docs.show_openapi", "docs.show_docs", "docs.show_style"), _PAGE),
+    **dict.fromkeys(("models.show_model", "models.show_side", "models.show_version"), _MODEL),
+    **dict.fromkeys(("models.show_version_side", "models.show_buffer", "models.show_drawing_buffer"), _MODEL),
+    **dict.fromkeys(("meta.about", "meta.list_examples", "meta.show_protocol"), _MODEL),
+    **dict.fromkeys(("operations.health", "operations.ready", "operations.show_metrics"), _RUNNING),
+    **dict.fromkeys(
+        ("sign_in.ask", "sign_in.answer", "sign_in.leave", "sign_in.leave_for_provider", "sign_in.come_back"),
+        "Shows nothing of a patient; whatever is opened afterwards names who has signed in.",
+    ),
+    "scans.show_thumbnail": "A small picture without colours, part of the list, whose opening is written.",
+    "persons.stay": "Keeps a session; shows nothing of a patient.",
+    "shared.close_shared": "The end of a visit, whose beginning is written.",
+}  # fmt: skip
+
+
+IDS = {
+    "patient_id": "patient",
+    "scan_id": "scan",
+    "fit_id": "fit",
+    "share_id": "link",
+    "deleted_id": "deleted",
+}  # of addresses
+IN_BODY = {"scan": "scan", "from_fit": "fit", "to_fit": "to_fit", "patient": "to_patient"}
+NAMED_IN_BODY = ("fits.start_fit", "transfers.transfer_drawing", "transfers.propose_marks", "owners.move")
+MAKES = {  # what the id of the answer is of
+    "scans.upload_scan": "scan",
+    "meta.open_example": "scan",
+    "owners.move": "patient",
+    "fits.start_fit": "fit",
+    "fits.predict_stance": "fit",
+    "shares.make_share": "link",
+    "shared.open_share": "link",
+}
+
+
+def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
+    """Adds the hooks; to be registered after the guards, which refuse before anything is written."""
+    opened = _Opened()
+
+    @app.before_request
+    def begin() -> None:
+        how = request.endpoint or ""
+        kind = AUDITED.get(how)
+        if kind not in BEFORE or request.method == "OPTIONS":
+            return
+        of = _of(storage)
+        if kind == DELETE:
+            case = storage.root / layout.CASES / of["patient"] if "patient" in of else None
+            g.audited = begin_deletion(log, who_asks(), how, of, case, _name())
+        else:
+            g.audited = log.append(Entry(who_asks(), kind, how, of, _name()))[-1]
+
+    @app.after_request
+    def end(response: Response) -> Response:
+        how, status, started = request.endpoint or "", response.status_code, g.get("audited")
+        kind = AUDITED.get(how)
+        if isinstance(started, Deletion):
+            started.ended()
+        elif kind is not None:
+            made = _made(response) if status < 400 else {}
+            line: dict[str, object] = {} if started is None else {"line": started.line}
+            if status == 403 or (status >= 400 and started is not None):
+                log.later(Entry(who_asks(), "refused", how, _of(storage), line | {"status": status}))
+            elif started is not None and made:
+                log.later(Entry(who_asks(), "done", how, made, line))
+            elif status < 400 and (kind == EXPORT or (kind == OPEN and opened.is_new(who_asks(made), _opens()))):
+                log.later(Entry(who_asks(made), kind, how, _of(storage) or _with_owner(storage, made), _name()))
+        return response
+
+
+class _Opened:
+    """Who has opened what in the last minutes."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._last: dict[tuple[str, str], float] = {}
+
+    def is_new(self, who: str, what: str) -> bool:
+        now = time.monotonic()
+        with self._lock:
+            if now - self._last.get((who, what), -ONCE_S) < ONCE_S:
+                return False
+            if len(self._last) >= REMEMBERED:
+                self._last.clear()  # some openings are then written twice
+            self._last[who, what] = now
+            return True
+
+
+def who_asks(made: Mapping[str, str] = MappingProxyType({})) -> str:
+    """Who asks, as the log names them: the holder of the token, a person, or the visitor of a link (perhaps `made`)."""
+    if (request.endpoint or "").startswith("shared."):
+        return f"link:{made.get('link') or _ids().get('link', '')}"
+    person = current_person()
+    return person.id if person == HOLDER else f"person:{person.id}"
+
+
+def _name() -> dict[str, object]:
+    person = current_person()
+    return {} if person in (HOLDER, VISITOR) else {"name": person.name[:NAME_CHARACTERS]}
+
+
+def _opens() -> str:
+    """What is opened: the first id in the address, else the list at it."""
+    return next(iter(_ids().values()), request.path)
+
+
+def _ids() -> dict[str, str]:
+    """The ids that the request names, by kind; nothing that has not their form."""
+    given: dict[str, Any] = {IDS[name]: value for name, value in (request.view_args or {}).items() if name in IDS}
+    if request.endpoint in NAMED_IN_BODY and request.is_json:
+        body = request.get_json(silent=True)
+        given |= {IN_BODY[name]: body[name] for name in IN_BODY if name in body} if isinstance(body, dict) else {}
+    return {kind: value for kind, value in given.items() if isinstance(value, str) and layout.ID.fullmatch(value)}
+
+
+def _of(storage: Storage) -> dict[str, str]:
+    return _with_owner(storage, _ids())
+
+
+def _with_owner(storage: Storage, ids: dict[str, str]) -> dict[str, str]:
+    """With the patient, scan and fit that the ids belong to, as far as they are known."""
+
+    def asked(rows: sqlite3.Connection) -> dict[str, str]:
+        link, fit, scan = (ids.get(kind, "") for kind in ("link", "fit", "scan"))
+        if link and (found := questions.fit_of_link(rows, link)):
+            return dict(zip(("patient", "scan", "fit"), found, strict=True))
+        if fit and (owner := questions.case_of_fit(rows, fit)):
+            return dict(zip(("patient", "scan"), owner, strict=True))
+        patient = questions.case_of_scan(rows, scan) if scan else None
+        return {} if patient is None else {"patient": patient}
+
+    return ({} if "patient" in ids else storage.index.asked(asked)) | ids if ids else {}
+
+
+def _made(response: Response) -> dict[str, str]:
+    """The ids of what the request has made."""
+    kind = MAKES.get(request.endpoint or "")
+    answer = response.get_json(silent=True) if kind is not None else None
+    if kind is None or not isinstance(answer, dict):
+        return {}
+    return {kind: str(answer["id"])} | ({"patient": str(answer["patient"])} if "patient" in answer else {})

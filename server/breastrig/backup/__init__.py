@@ -1,0 +1,1 @@
+"""A data folder in one encrypted file, and back."""

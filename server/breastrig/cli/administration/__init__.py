@@ -1,0 +1,1 @@
+"""Commands of those who answer for a data folder: its audit log, backups."""

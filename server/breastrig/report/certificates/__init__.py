@@ -1,0 +1,1 @@
+"""Pages that certify what was done."""
