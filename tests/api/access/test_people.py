@@ -91,7 +91,7 @@ def anna(client_for: Callable[[Config], FlaskClient], config: Config) -> FlaskCl
 
 def test_the_proxys_name_is_believed_from_its_address_alone(anna: FlaskClient, client_for, config: Config) -> None:
     assert anna.get("/api/meta").json["person"] == {
-        "name": "anna", "role": "plan", "groups": ["north"], "all_groups": [], "idle_minutes": None,
+        "id": "anna", "name": "anna", "role": "plan", "groups": ["north"], "all_groups": [], "idle_minutes": None,
     }  # fmt: skip
     assert anna.get("/").status_code == 200
     for address in ("10.0.0.7", "127.0.0.2", "::1", ""):

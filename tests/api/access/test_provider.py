@@ -110,6 +110,7 @@ def test_a_person_signs_in_with_code_pkce_state_and_nonce(browser: FlaskClient, 
     assert ("HttpOnly" in cookie, "SameSite=Strict" in cookie, "Path=/;" in cookie) == (True, True, True)
     assert not any(one.key.startswith("breastrig_sign_in_") for one in browser._cookies.values())
     person = browser.get("/api/meta").json["person"]
+    assert person.pop("id") == "anna"
     assert person == {"name": "Anna", "role": "plan", "groups": ["north"], "all_groups": [], "idle_minutes": 15}
     assert b"You are signed in as Anna" in browser.get("/sign-in").data
 

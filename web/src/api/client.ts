@@ -49,6 +49,7 @@ export interface UploadFields extends VolumeAnswers {
   readonly units: UnitChoice;
   readonly model: string | undefined;
   readonly patient?: string | undefined;
+  readonly group?: string | undefined; // that a new patient belongs to
   readonly again?: "true" | undefined; // the patient has this file already, and shall have it twice
 }
 
@@ -133,7 +134,7 @@ export const client = {
   /** With what the model of that name has; without a name with what the first one has. */
   meta: (model?: string) => askJson<Meta>(model === undefined ? "/api/meta" : `/api/meta?model=${id(model)}`),
   examples: async () => (await askJson<{ examples: Example[] }>("/api/examples")).examples,
-  importExample: (name: string) => askJson<ExampleScan>(`/api/examples/${id(name)}`, "POST"),
+  importExample: (name: string, group = "") => askJson<ExampleScan>(`/api/examples/${id(name)}${group === "" ? "" : `?group=${id(group)}`}`, "POST"),
   model: async (sha256: string): Promise<Model> => {
     const place = `/api/models/${id(sha256)}`;
     const [glb, side] = await Promise.all([bytes(`${place}/torso.glb`), askJson<ModelSide>(`${place}/torso.json`)]);
@@ -149,6 +150,7 @@ export const client = {
   patients: (address: string | null, search: string, order: "newest" | "code" | "deletion") =>
     askJson<PatientPage>(address ?? `/api/patients?limit=50&sort=${order}${search === "" ? "" : `&search=${id(search)}`}`),
   patient: (patient: string) => askJson<Patient>(`/api/patients/${id(patient)}`),
+  giveToGroup: (patient: string, group: string | null) => askJson<Patient>(`/api/patients/${id(patient)}/group`, "PUT", { group }),
   renamePatient: (patient: string, code: string) => askJson<Patient>(`/api/patients/${id(patient)}`, "PATCH", { code }),
   deletePatient: async (patient: string): Promise<void> => {
     meshes.clear();
@@ -262,6 +264,10 @@ export const client = {
   async isSignedIn(): Promise<boolean> {
     const page = new DOMParser().parseFromString(await (await ask("/sign-in")).text(), "text/html");
     return page.querySelector('form[action="/sign-out"]') !== null;
+  },
+  /** Somebody is at the page. */
+  stay: async (): Promise<void> => {
+    await ask("/api/session", { method: "PUT" });
   },
   signOut: async (): Promise<void> => {
     await ask("/sign-out", { method: "POST" });

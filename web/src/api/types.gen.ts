@@ -60,6 +60,8 @@ export type Bounds = {
 
 /** Who asks. */
 export type Caller = {
+  /** the same at each sign-in */
+  id: string;
   name: string;
   /** each may do what those before it may */
   role: Role;

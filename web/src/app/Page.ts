@@ -45,7 +45,7 @@ import type { PaperShown } from "./handover/Paper";
 import type { Session } from "./session";
 import { createSidePanel } from "./frame/SidePanel";
 import { createTopBar } from "./frame/TopBar";
-import { createUnsavedBar } from "./UnsavedBar";
+import { createUnsavedBar } from "./frame/UnsavedBar";
 
 /** What the 3D view needs of the page. */
 export interface Stages {

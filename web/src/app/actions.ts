@@ -27,10 +27,13 @@ import { exportActions } from "./exportActions";
 import { keepTrying } from "./keepTrying";
 import { leavingActions } from "./leaving";
 import { pageActions } from "./pageActions";
+import { forPerson } from "./people/reader";
 import { scanContents } from "./scanContents";
 import type { Session } from "./session";
 
-export function createActions(store: Store<Session>, client: Client, prefersStill: () => boolean, outbox: Outbox = createOutbox()) {
+type Given = [client: Client, prefersStill: () => boolean, outbox?: Outbox];
+
+function allActions(store: Store<Session>, ...[client, prefersStill, outbox = createOutbox()]: Given) {
   const player = createPlayer(store, prefersStill);
   const follower = createFollower(store, client);
   const fit = fitActions(store, client, player, follower);
@@ -101,4 +104,6 @@ export function createActions(store: Store<Session>, client: Client, prefersStil
   };
 }
 
-export type Actions = ReturnType<typeof createActions>;
+export type Actions = ReturnType<typeof allActions>;
+
+export const createActions = (store: Store<Session>, ...given: Given): Actions => forPerson(allActions(store, ...given), store);

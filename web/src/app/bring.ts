@@ -4,6 +4,9 @@ import type { FitActions } from "../fit/actions";
 import type { ScanActions } from "../scan/actions";
 import { isSizeAsked } from "../scan/state";
 import type { StancesActions } from "../stances/actions";
+import { home } from "../patients/text";
+import { isGroupMissing } from "../store/person";
+import { withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import type { Takers } from "./bringing/bringFiles";
 import type { Session } from "./session";
@@ -20,8 +23,17 @@ export function bringActions(store: Store<Session>, client: Pick<Client, "landma
     if (scan && fit === null && fitsAtOnce && !isSizeAsked(store.get())) void others.fit.start();
   }
 
+  /** Said where a new patient would belong to a group that only the person can name. */
+  function isUnowned(): boolean {
+    const isMissing = store.get().scan === null && isGroupMissing(store.get());
+    if (isMissing) store.set((state) => withProblem(state, "scan", home.groupMissing));
+    return isMissing;
+  }
+
   return {
-    files: async (all: readonly File[]): Promise<void> => (await import("./bringing/bringFiles")).createBringing(store, client, { ...others, begin })(all),
+    files: async (all: readonly File[]): Promise<void> => {
+      if (!isUnowned()) await (await import("./bringing/bringFiles")).createBringing(store, client, { ...others, begin })(all);
+    },
     begin,
 
     /** The file of the scan on the page, read otherwise. */
@@ -39,7 +51,7 @@ export function bringActions(store: Store<Session>, client: Pick<Client, "landma
 
     /** Scans of the example patient, of whom there is one. */
     async examples([first, ...further]: readonly string[]): Promise<void> {
-      if (first === undefined || !(await others.scan.takeExample(first))) return;
+      if (first === undefined || isUnowned() || !(await others.scan.takeExample(first))) return;
       begin();
       for (const name of further) await others.stances.takeExampleBeside(name, store.get().fitsAtOnce);
     },

@@ -16,13 +16,15 @@ import { openViewer } from "./openViewer";
 import { createPage } from "./Page";
 import { withPlacingView } from "./placingView";
 import { initialSession, type Session } from "./session";
+import { followIdle } from "./people/idle";
 import { keepAddress, takeAddress } from "./unsavedWork";
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 const prefersStill = (): boolean => still.matches;
 
 const store = createStore<Session>(initialSession, withPlacingView);
-const actions = createActions(store, client, prefersStill, createOutbox(sessionStorage));
+const outbox = createOutbox(sessionStorage);
+const actions = createActions(store, client, prefersStill, outbox);
 const dismiss = (place: Place): void => store.set((state) => withProblem(state, place, null));
 
 const page = createPage(actions, dismiss);
@@ -58,13 +60,14 @@ addEventListener("beforeunload", (event) => {
   endTyping(); // while the page is still there: what a slow one writes in pagehide may come after the next page has read
   if (!isSigningIn && isRefused(store.get())) event.preventDefault(); // the browser asks
 });
-onSignedOut(() => {
+function signIn(): void {
   if (isSigningIn) return;
   isSigningIn = true;
   endTyping();
   keepAddress(location.hash, sessionStorage);
   location.assign("/sign-in");
-});
+}
+onSignedOut(signIn);
 reportUnforeseen();
 void begin();
 
@@ -89,7 +92,11 @@ async function begin(): Promise<void> {
   followModels(store, client);
   followMarks(store);
   void client.isSignedIn().then((isSignedIn) => store.set({ isSignedIn }), () => undefined); // then there is just no button
-  const hash = takeAddress(sessionStorage);
+  const { person } = store.get().meta ?? {};
+  const isAnother = person ? outbox.belongTo(person.id) : false;
+  if (person?.idle_minutes) followIdle({ minutes: person.idle_minutes, memory: localStorage, stay: client.stay, warn: (sentence) => store.set((state) => withProblem(state, "page", sentence)), leave: signIn });
+  const kept = takeAddress(sessionStorage);
+  const hash = isAnother ? null : kept;
   if (hash !== null && location.hash === "") history.replaceState(null, "", hash || location.pathname);
   await followAddress(store, actions);
   // Whenever no patient is on the page, the list of all is, as the service has it now; not before the one that the address names.

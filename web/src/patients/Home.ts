@@ -7,6 +7,7 @@ import { ANY_FILE, button, filesButton, problem, select } from "../ui/controls";
 import { el, fill, icon, setText, show } from "../ui/dom";
 import { createMenu, menuItem } from "../ui/menu";
 import type { Panel } from "../ui/Panel";
+import { allGroups, groupsForNew, mayPlan } from "../store/person";
 import { formatMegabytes } from "../ui/units";
 import type { PatientActions } from "./actions";
 import { patientCard } from "./PatientCard";
@@ -15,7 +16,7 @@ import * as text from "./text";
 
 const words = text.home;
 
-type Shown = PatientsSlice & Pick<PageSlice & ScanSlice, "scan" | "meta" | "examples" | "problems">;
+type Shown = PatientsSlice & Pick<PageSlice & ScanSlice, "scan" | "meta" | "group" | "examples" | "problems">;
 
 /** How scans come in: files, or examples by name. */
 export interface Bringing {
@@ -33,6 +34,8 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
   const order = select<Order>(words.order, (by) => void patients.order(by), "field inline");
   const fresh = filesButton(words.fresh, ANY_FILE, "primary", bring.files);
   fresh.querySelector("input")!.id = "scan-file";
+  const group = select(words.groupOfNew, (chosen) => patients.chooseGroup(chosen), "field inline");
+  const reader = el("p", { class: "muted", hidden: true }, words.mayLook);
   const limit = el("p", { class: "muted small" });
   const examples = createMenu("example-menu", words.example, words.exampleHint, "outlined");
   const wrong = problem(() => dismiss("scan"));
@@ -41,9 +44,9 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
   const list = el("ul", { class: "patients", "aria-label": words.title });
   const none = el("p", { class: "muted", hidden: true });
   const more = button(words.more, () => void patients.more(), "outlined");
-  const head = el("div", { class: "home-head" }, el("h1", {}, words.title), search, order.element, el("span", { class: "spring" }), fresh);
+  const head = el("div", { class: "home-head" }, el("h1", {}, words.title), search, order.element, el("span", { class: "spring" }), group.element, fresh);
   const noticed = el("p", { class: "home-notice is-out" }, words.notice);
-  const element = el("div", { class: "home" }, el("div", { class: "home-page" }, head, wrong.element, service.element, drop, list, none, more, noticed));
+  const element = el("div", { class: "home" }, el("div", { class: "home-page" }, head, reader, wrong.element, service.element, drop, list, none, more, noticed));
 
   /** The list's cards, in this order.  One in which something is typed stays in the document: else it would lose the focus. */
   function arrange(wanted: readonly HTMLElement[]): void {
@@ -64,10 +67,16 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
   let made = new Map<string, HTMLElement>(); // cards by what they show
   return {
     element,
-    select: only("patients", "scan", "meta", "examples", "problems"),
-    update({ patients: state, scan, meta, examples: known, problems }: Shown): void {
+    select: only("patients", "scan", "meta", "group", "examples", "problems"),
+    update({ patients: state, scan, meta, group: chosen, examples: known, problems }: Shown): void {
       const { rows, next, search: sought, order: by, isKnown, isBusy, points, going } = state;
       show(element, scan === null);
+      const isReader = !mayPlan({ meta });
+      for (const each of [fresh, drop]) show(each, !isReader);
+      show(reader, isReader);
+      const offered = groupsForNew(meta);
+      show(group.element, offered.length > 0 && !isReader);
+      group.set([{ value: "", label: allGroups(meta).length > 0 && (meta?.person?.groups.length ?? 0) < 2 ? words.groupNone : words.groupChoose }, ...offered.map((each) => ({ value: each, label: each }))], chosen);
       setText(limit, words.limit(meta ? formatMegabytes(meta.limits.upload_bytes) : null, meta ? formatMegabytes(meta.limits.zip_bytes) : null));
       examples.element.classList.toggle("is-out", known.length === 0);
       const together = known.filter(({ stance }, i) => known.findIndex((each) => each.stance === stance) === i).map(({ name }) => name); // one of each stance
@@ -92,7 +101,7 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
             const asking = isGoing ? undefined : ([...list.children] as HTMLElement[]).find((card) => card.dataset.patient === each.id && isAsking(card));
             if (asking) return [`asks ${each.id}`, asking];
             const shown = JSON.stringify([each, points[sureness(each).fit ?? ""], isGoing, meta === null]);
-            return [shown, before.get(shown) ?? patientCard(each, isGoing, patients, points, addressOf(each), meta?.patterns ?? [])];
+            return [shown, before.get(shown) ?? patientCard(each, isGoing, patients, points, addressOf(each), meta)];
           }),
         );
         const wanted = [...made.values()];

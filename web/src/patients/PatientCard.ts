@@ -1,8 +1,9 @@
 // One patient: the scans by day, what is planned in a line, how sure it is, when it came and when it goes.
 import { locale } from "../languages/words";
-import type { Patient } from "../api/types";
+import type { Meta, Patient } from "../api/types";
 import { fingersMark, fingersOf } from "../fit/fingers";
-import { button } from "../ui/controls";
+import { allGroups, mayPlan } from "../store/person";
+import { button, select } from "../ui/controls";
 import { el, show } from "../ui/dom";
 import { createMenu, menuItem } from "../ui/menu";
 import type { PatientActions } from "./actions";
@@ -21,7 +22,7 @@ const when = (at: Date, now: Date): string => {
   return days === 0 || days === 1 ? words.near[days]!(time.format(at)) : moment.format(at);
 };
 
-export function patientCard(patient: Patient, isGoing: boolean, patients: PatientActions, points: PatientsState["points"], address: string, patterns: readonly { readonly name: string; readonly label: string }[]): HTMLElement {
+export function patientCard(patient: Patient, isGoing: boolean, patients: PatientActions, points: PatientsState["points"], address: string, meta: Meta | null): HTMLElement {
   const spoken = patient.code === "" ? words.noCode : patient.code;
   if (isGoing) return el("li", { class: "is-going", "data-patient": patient.id }, el("span", {}, words.going(spoken)), button(words.undo, () => patients.undo(patient.id), "outlined"));
   const code = el("input", { type: "text", class: "patient-code", value: patient.code, maxlength: 60, placeholder: words.code, "aria-label": words.code, title: words.code, autocomplete: "off", hidden: true, onchange: () => void patients.rename(patient.id, code.value), onblur: () => named(false) });
@@ -40,6 +41,9 @@ export function patientCard(patient: Patient, isGoing: boolean, patients: Patien
   );
   const { mm, says, isKnown } = sureness(patient, points);
   const until = deletedAt(patient);
+  const groups = allGroups(meta);
+  const group = select(words.group, (chosen) => void patients.give(patient.id, chosen), "field inline");
+  group.set([{ value: "", label: words.groupNone }, ...[...new Set([...groups, ...(patient.group === null ? [] : [patient.group])])].map((each) => ({ value: each, label: each }))], patient.group ?? "");
   return el(
     "li",
     { "data-patient": patient.id },
@@ -48,11 +52,12 @@ export function patientCard(patient: Patient, isGoing: boolean, patients: Patien
       "div",
       { class: "what" },
       el("div", { class: "named" }, name, code),
-      el("p", {}, plannedLine(patient, patterns)),
+      el("p", {}, plannedLine(patient, meta?.patterns ?? [])),
       el("p", { class: "how-sure muted small" }, isKnown ? fingersMark(fingersOf(mm)) : null, says),
       el("p", { class: "muted small" }, [when(new Date(patient.created_at), new Date()), ...(until === null ? [] : [words.left(daysUntil(until, new Date()))])].join(" · ")),
     ),
-    menu.element,
+    groups.length > 0 ? group.element : null,
+    mayPlan({ meta }) ? menu.element : null,
     ask,
   );
 }

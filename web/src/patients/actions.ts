@@ -4,7 +4,7 @@ import type { Patient } from "../api/types";
 import type { PageSlice } from "../store/page";
 import type { ScanSlice } from "../scan/state";
 import type { Outbox } from "../store/outbox";
-import { messageOf, withProblem } from "../store/problems";
+import { messageOf, withoutMessage, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
 import { type Order, type PatientsSlice, type PatientsState, sureness } from "./state";
 import * as text from "./text";
@@ -15,7 +15,7 @@ const PAUSE_MS = 250; // while somebody types
 
 type State = PageSlice & PatientsSlice & Pick<ScanSlice, "scan">;
 
-export function patientActions(store: Store<State>, client: Pick<Client, "patients" | "renamePatient" | "deletePatient" | "checksOf">, outbox: Outbox) {
+export function patientActions(store: Store<State>, client: Pick<Client, "patients" | "renamePatient" | "giveToGroup" | "deletePatient" | "checksOf">, outbox: Outbox) {
   const going = new Map<string, ReturnType<typeof setTimeout>>();
   let typing: ReturnType<typeof setTimeout> | undefined;
   let asked = 0; // the list asked for last wins
@@ -47,6 +47,15 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
       const found = await client.checksOf(fit).catch(() => null); // without an answer no number is said
       if (mine !== asked) return;
       if (found) put({ points: { ...store.get().patients.points, [fit]: found.worth_it ? found.checks.length : 0 } });
+    }
+  }
+
+  async function changed(id: string, patient: Promise<Patient>): Promise<void> {
+    try {
+      const now = await patient;
+      store.set(({ patients }) => ({ patients: { ...patients, rows: patients.rows.map((row) => (row.id === id ? now : row)) } }));
+    } catch (error) {
+      fail(error);
     }
   }
 
@@ -85,14 +94,10 @@ export function patientActions(store: Store<State>, client: Pick<Client, "patien
       await read(null);
     },
 
-    async rename(id: string, code: string): Promise<void> {
-      try {
-        const changed: Patient = await client.renamePatient(id, code);
-        store.set(({ patients }) => ({ patients: { ...patients, rows: patients.rows.map((row) => (row.id === id ? changed : row)) } }));
-      } catch (error) {
-        fail(error);
-      }
-    },
+    rename: (id: string, code: string): Promise<void> => changed(id, client.renamePatient(id, code)),
+    give: (id: string, group: string): Promise<void> => changed(id, client.giveToGroup(id, group === "" ? null : group)),
+    /** The group that new patients belong to from now on. */
+    chooseGroup: (group: string): void => store.set((state) => ({ group, ...withoutMessage(state, "scan", text.home.groupMissing) })),
 
     remove(id: string): void {
       put({ going: [...store.get().patients.going, id] }, { announcement: text.home.going(nameOf(id)) });

@@ -9,6 +9,12 @@ export const home = {
   order: word("patients.home.order"),
   orders: { newest: word("patients.home.orders.newest"), code: word("patients.home.orders.code"), deletion: word("patients.home.orders.deletion") },
   fresh: word("patients.home.fresh"),
+  group: word("patients.home.group"),
+  groupNone: word("patients.home.groupNone"),
+  groupOfNew: word("patients.home.groupOfNew"),
+  groupChoose: word("patients.home.groupChoose"),
+  groupMissing: word("patients.home.groupMissing"),
+  mayLook: word("patients.home.mayLook"),
   drop: word("patients.home.drop"),
   limit: (megabytes: string | null, zip: string | null) =>
     word("patients.home.limit", { megabytes: megabytes ?? "…", zip: zip ?? "…" }),

@@ -207,7 +207,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
   async function send(file: File, said: UploadFields, progress: (share: number) => void, mine: number): Promise<Brought | null> {
     try {
       const info = await client.upload(file, said, progress);
-      const { units, model: _model, patient: _patient, again: _again, ...answers } = said;
+      const { units, model: _model, patient: _patient, again: _again, group: _group, ...answers } = said;
       return { info, file, own: null, units, answers, isNew: true };
     } catch (error) {
       if (error instanceof ApiError && error.status === 409) throw new ApiError(text.errors.alreadyHere, 409);
@@ -237,7 +237,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
       progress(0);
       await chosen;
       await checkReadable(file);
-      const said: UploadFields = { units, model: store.get().meta?.model.name, patient, again: instead ? "true" : undefined, ...answers };
+      const said: UploadFields = { units, model: store.get().meta?.model.name, patient, group: patient === undefined ? store.get().group || undefined : undefined, again: instead ? "true" : undefined, ...answers };
       const brought = await send(file, said, progress, mine);
       if (brought && instead && mine === generation) await client.deleteScan(instead);
       return brought;
@@ -268,7 +268,7 @@ export function scanActions(store: Store<State>, client: Client, contents: ScanC
 
     takeExample(name: string): Promise<boolean> {
       const label = store.get().examples.find((example) => example.name === name)?.label ?? name;
-      return bring(label, async () => ({ info: await client.importExample(name), file: null, own: null, isNew: true }));
+      return bring(label, async () => ({ info: await client.importExample(name, store.get().group), file: null, own: null, isNew: true }));
     },
 
     /** The scan that the address names. */

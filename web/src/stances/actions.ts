@@ -198,7 +198,7 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     addBeside,
     async takeExampleBeside(name: string, isFitted: boolean): Promise<void> {
       try {
-        const info = await client.importExample(name);
+        const info = await client.importExample(name, store.get().group);
         const { scan } = store.get();
         if (scan) await client.moveScan(info.id, scan.info.patient);
         await addBeside(info, isFitted);

@@ -7,6 +7,8 @@ export type Unsaved = "landmarks" | "lines" | "cuts"; // lines: all of the plan
 type Memory = Pick<Storage, "getItem" | "setItem" | "removeItem" | "key" | "length">;
 
 const PREFIX = "breastrig.unsaved/";
+const OWNER = "breastrig.person"; // the person who has typed it
+const OTHERS = "breastrig.others-unsaved/"; // of persons who were here before
 
 /** Trying again later can help: nobody answers, the session is over, the service is busy or its disk full. */
 const mayPass = (error: unknown): boolean => !(error instanceof ApiError) || error.status === 0 || error.status >= 500 || [401, 408, 412, 429].includes(error.status);
@@ -75,7 +77,29 @@ export function createOutbox(memory: Memory | null = null) {
   }
   if (memory) load(memory);
 
+  /** Moves what the browser keeps to other names. */
+  function rename(from: string, to: string): void {
+    const keys = Array.from({ length: memory?.length ?? 0 }, (_, i) => memory?.key(i) ?? "").filter((key) => key.startsWith(from));
+    for (const key of keys) {
+      memory?.setItem(to + key.slice(from.length), memory.getItem(key) ?? "");
+      memory?.removeItem(key);
+    }
+  }
+
   return {
+    /** It is this person's from now on; what another one could not save waits for that one.  Whether somebody else was here before. */
+    belongTo(person: string): boolean {
+      const before = memory?.getItem(OWNER) ?? person;
+      memory?.setItem(OWNER, person);
+      if (before === person) return false;
+      rename(PREFIX, `${OTHERS}${before}/`);
+      rename(`${OTHERS}${person}/`, PREFIX);
+      entries.clear();
+      refused.clear();
+      if (memory) load(memory);
+      tell();
+      return true;
+    },
     keep: (what: Unsaved, scan: string, patient: string, value: unknown): void => write(keyOf(what, scan), { patient, value }),
     /** As its room has kept it; null where nothing waits. */
     kept: (what: Unsaved, scan: string): unknown => entries.get(keyOf(what, scan))?.value ?? null,

@@ -15,6 +15,7 @@ export interface PageSlice {
   readonly meta: Meta | null;
   readonly examples: readonly Example[];
   readonly models: Readonly<Record<string, Model>>; // by their hashes: the service's own, and those that older fits were made with
+  readonly group: string; // of people, that a new patient is to belong to; empty: none is chosen
   readonly theme: Theme;
   readonly step: Step;
   readonly problems: Readonly<Partial<Record<Place, string>>>;
@@ -23,4 +24,4 @@ export interface PageSlice {
   readonly undone: { readonly says: string } | null; // what undo or redo has just changed: shown, and read out
 }
 
-export const initialPage: PageSlice = { meta: null, examples: [], models: {}, theme: "system", step: "body", problems: {}, announcement: "", unsaved: null, undone: null };
+export const initialPage: PageSlice = { meta: null, examples: [], models: {}, group: "", theme: "system", step: "body", problems: {}, announcement: "", unsaved: null, undone: null };

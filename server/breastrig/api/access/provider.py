@@ -102,7 +102,8 @@ class Provider:
                     named, claims = _at(more, self._people.groups_claim), {**more, **claims}
         finally:
             session.clear()
-        if self._people.prompt == "login" and claims.get("auth_time", began) < began - LATE_S:
+        asked_at = claims.get("auth_time")
+        if self._people.prompt == "login" and isinstance(asked_at, int | float) and asked_at < began - LATE_S:
             raise NotSignedIn("The provider did not ask for your password again; sign in once more.")
         name = next((str(claims[one]) for one in ("name", "preferred_username") if claims.get(one)), str(claims["sub"]))
         groups = {named} if isinstance(named, str) else {str(one).lstrip("/") for one in named or ()}

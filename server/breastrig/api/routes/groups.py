@@ -32,6 +32,7 @@ def caller_answer() -> wire.Caller | None:
         return None
     is_administrator = person.role is Role.ADMINISTER
     return wire.Caller(
+        id=person.id,
         name=person.name,
         role=person.role,
         groups=list(person.groups),

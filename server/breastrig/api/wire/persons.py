@@ -9,6 +9,7 @@ from breastrig.api.wire.common import GROUP, Wire
 class Caller(Wire):
     """Who asks."""
 
+    id: str = Field(description="the same at each sign-in")
     name: str
     role: Role = Field(description="each may do what those before it may")
     groups: list[str] = Field(description="one of which is to own a new patient")

@@ -9,6 +9,7 @@ import { changeLanguage, otherLanguages } from "../../languages/language";
 import { picksSaid } from "../../landmarks/text";
 import { dayName, isToday } from "../../stances/Strip";
 import type { Step, Theme } from "../../store/page";
+import { mayPlan } from "../../store/person";
 import { only } from "../../store/store";
 import { button, iconButton } from "../../ui/controls";
 import { el, icon, setText, show } from "../../ui/dom";
@@ -18,6 +19,7 @@ import { name } from "../../ui/text";
 import type { Actions } from "../actions";
 import { isPlanned } from "../nextStep";
 import type { Session } from "../session";
+import { people } from "../people/text";
 import * as text from "../text";
 
 const words = text.top;
@@ -61,6 +63,7 @@ export function createTopBar(actions: Actions): Panel<Shown> {
   const saved = el("span", { class: "saved muted", role: "status" });
   const theme = menuItem("", "", () => actions.page.nextTheme());
   const fits = menuItem("", words.fitsAtOnceHint, () => actions.bring.chooseFitsAtOnce(!(shown?.fitsAtOnce ?? true)));
+  const who = el("p", { class: "menu-who muted small" });
   const leave = menuItem(words.signOut, "", () => void actions.signOut());
   const languages = otherLanguages().map(({ language, name: called }) => {
     const item = menuItem(called, "", () => changeLanguage(language));
@@ -71,7 +74,7 @@ export function createTopBar(actions: Actions): Panel<Shown> {
     menuItem(words.picture, words.pictureHint, () => void actions.files.save()),
     menuItem(words.remove, "", () => actions.deletion.ask(true)),
   ];
-  const menu = createMenu("page-menu", "\u2022\u2022\u2022", words.menu, "icon-only", ...ofScan, fits, theme, ...languages, menuItem(words.help, words.helpHint, () => actions.page.help(true)), leave);
+  const menu = createMenu("page-menu", "\u2022\u2022\u2022", words.menu, "icon-only", ...ofScan, fits, theme, ...languages, menuItem(words.help, words.helpHint, () => actions.page.help(true)), who, leave);
   const element = el("header", { class: "top-bar" }, home, title, about, nav, el("span", { class: "top-end" }, undo, redo, saved, menu.element));
   menu.card.addEventListener("click", ({ target }) => target !== menu.card && ![theme, fits].some((each) => each.contains(target as Node)) && menu.close());
   let shown: Shown | null = null;
@@ -101,8 +104,12 @@ export function createTopBar(actions: Actions): Panel<Shown> {
       const isBusy = [state.saving, state.drawn.saving];
       const unsaid = isBusy.find((each) => each === "unsaved") ?? isBusy.find((each) => each === "saving") ?? "saved";
       setText(saved, scan === null ? "" : words[unsaid]);
-      for (const each of ofScan) show(each, scan !== null);
+      show(ofScan[0]!, scan !== null);
+      show(ofScan[1]!, scan !== null && mayPlan(state));
       show(leave, state.isSignedIn);
+      const person = state.meta?.person ?? null;
+      show(who, person !== null);
+      if (person) setText(who, `${people.who(person.name)} · ${people.roles[person.role]}`);
       setText(fits.querySelector("span")!, words.fitsAtOnce(state.fitsAtOnce));
       if (state.theme === drawn) return;
       drawn = state.theme;

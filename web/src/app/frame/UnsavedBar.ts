@@ -1,10 +1,10 @@
 // Says wherever somebody is on the page that the service does not have what was typed or drawn, and that it is not lost.
-import type { PageSlice } from "../store/page";
-import { only } from "../store/store";
-import { button } from "../ui/controls";
-import { el, setText, show } from "../ui/dom";
-import type { Panel } from "../ui/Panel";
-import { unsaved as words } from "./text";
+import type { PageSlice } from "../../store/page";
+import { only } from "../../store/store";
+import { button } from "../../ui/controls";
+import { el, setText, show } from "../../ui/dom";
+import type { Panel } from "../../ui/Panel";
+import { unsaved as words } from "../text";
 
 export function createUnsavedBar(tryNow: () => void): Panel<Pick<PageSlice, "unsaved">> {
   const what = el("p", {});
