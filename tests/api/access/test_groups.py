@@ -28,6 +28,7 @@ OTHERS = {  # calls that name a patient's things in their body or not at all, wi
     "fits.start_fit": {"json": {"scan": "SCAN"}},
     "transfers.transfer_drawing": {"json": {"from_fit": "FIT", "to_fit": "FIT"}},
     "transfers.propose_marks": {"json": {"from_fit": "FIT", "to_fit": "FIT"}},
+    "audit.show_certificate": {},
 }
 OF_NOBODY = {  # they say nothing about a patient
     "meta.about", "meta.list_examples", "meta.open_example", "meta.show_protocol", "docs.show_docs",
@@ -48,6 +49,7 @@ class North:
 
     def address(self, rule: str) -> str:
         ids = {"patient_id": self.patient, "scan_id": self.scan, "fit_id": self.fit, "share_id": self.share}
+        ids["deleted_id"] = self.patient
         ids |= {"version": "1", "iteration": "0", "name": "standing", "kind": "pp", "sha256": "0" * 64}
         return re.sub(r"<(?:\w+:)?(\w+)>", lambda found: ids[found[1]], rule)
 
