@@ -2,22 +2,28 @@
 
 import io
 import pickle
+import zipfile
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
+import pydicom
 import pypdf
 import pytest
 from flask.testing import FlaskClient
+from helpers.archives import answering
 from helpers.blank_pictures import blank_pictures_in_reports
 from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
 from PIL import Image
+from pydicom.dataset import Dataset
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.api.wire.files import MeasuresFile
+from breastrig.archive.nodes import node
+from breastrig.archive.objects import CLASSES
 from breastrig.cli.main import main
 from breastrig.drawings.plan_schema import ITEMS, POINTS, TEXT
 from breastrig.execution.limits import FitLimits
@@ -250,6 +256,37 @@ def test_what_is_refused(real: Real, name: str) -> None:
         assert answer.mimetype == "application/problem+json"
 
 
+@pytest.mark.filterwarnings("ignore:Exception ignored in. <socket")  # one of pynetdicom's, not connected
+def test_a_fit_goes_to_the_archives_that_the_service_names_and_nowhere_else(real: Real, tmp_path: Path) -> None:
+    service, client, scans, fits = real
+    code = client.get(f"/api/scans/{scans['standing']}").json["patient_code"]
+    (tmp_path / "codes.csv").write_text(f"code,id,name\n{code},4711,Groß^Eva\n", encoding="utf-8")
+    stored: list[Dataset] = []
+    with answering(set(CLASSES.values()), lambda each: stored.append(each) or 0) as port:
+        to = {"dicom": f"STORE@127.0.0.1:{port}", "objects": ("report", "measures")}
+        archives = {"pacs": node(**to, identities=tmp_path / "codes.csv"), "coded": node(**to)}
+        sending = create_app(Config(archives=archives), service).test_client()
+        assert sending.get("/api/meta").json["archives"] == ["pacs", "coded"]
+        for name in archives:
+            sent = sending.post(f"/api/fits/{fits['standing']}/archive", json={"archive": name})
+            assert (sent.status_code, sent.json) == (200, {"notes": []})
+        for name in ("other", f"STORE@127.0.0.1:{port}"):
+            sent = sending.post(f"/api/fits/{fits['standing']}/archive", json={"archive": name})
+            assert sent.status_code == 422
+            assert "sends to no archive of that name" in sent.json["detail"]
+    assert [(each.PatientID, str(each.PatientName)) for each in stored[:2]] == 2 * [("4711", "Groß^Eva")]
+    assert [each.PatientID for each in stored[2:]] == [code, code]
+    failed = sending.post(f"/api/fits/{fits['standing']}/archive", json={"archive": "coded"})
+    assert failed.status_code == 502
+    assert "cannot be reached" in failed.json["detail"]
+    assert client.get("/api/meta").json["archives"] == []
+    with zipfile.ZipFile(io.BytesIO(client.get(f"/api/fits/{fits['standing']}/dicom.zip").data)) as files:
+        found = {name: pydicom.dcmread(io.BytesIO(files.read(name))) for name in files.namelist()}
+    assert list(found) == ["report.dcm", "measures.dcm", "skin.dcm", "scan.dcm"]
+    assert {each.PatientID for each in found.values()} == {code}
+    assert found["report.dcm"].SOPInstanceUID == stored[2].SOPInstanceUID
+
+
 def test_a_fit_that_is_not_done_has_no_report(client: FlaskClient, scan_id: str) -> None:
     fit = client.post("/api/fits", json={"scan": scan_id, "preset": "paper"}).json["id"]
     for name in (
@@ -259,6 +296,7 @@ def test_a_fit_that_is_not_done_has_no_report(client: FlaskClient, scan_id: str)
         "measures.csv",
         "volume.vtu",
         "template.pdf",
+        "dicom.zip",
         "guide.stl?side=L",
     ):
         assert client.get(f"/api/fits/{fit}/{name}").status_code == 409

@@ -236,6 +236,7 @@ REFUSED = (
     "report.pdf",
     "template.pdf",
     "guide.stl",
+    "dicom.zip",
     "report.png",
     "measures.csv",
     "measures.json",

@@ -186,6 +186,7 @@ LISTED = {  # why they are not run here, or the test that runs them
     "tests/cli/test_serve_command.py": [
         "breastrig serve",
         "breastrig serve --no-token",
+        "breastrig serve --archives archives.toml",
     ],
     "tests/api/test_behind_proxy.py": [
         "BREASTRIG_TOKEN=... breastrig serve --trusted-proxy 127.0.0.1 --public-host scans.hospital.example",
@@ -200,6 +201,7 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig fit --length A B MM",
         "breastrig report",
         "breastrig dicom",
+        "breastrig dicom --send",
         "breastrig template",
         "breastrig volume",
     ],

@@ -2,11 +2,13 @@
 
 import ipaddress
 import secrets
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from breastrig.api.people.people import People
 from breastrig.api.trusted_proxy import TrustedProxy, plain_address
+from breastrig.archive.nodes import Node
 from breastrig.core.errors import BadSettings
 from breastrig.execution.limits import UploadLimits
 from breastrig.service.sweep import KEEP_DAYS
@@ -33,6 +35,8 @@ class Config:
     trusted_proxy: TrustedProxy | None = None  # whose X-Forwarded-* are believed
     people: People | None = None  # who may sign in; None: whoever has the token
     public_hosts: tuple[str, ...] = ()  # names that outsiders call this server by; none: any, when there is a token
+
+    archives: Mapping[str, Node] = field(default_factory=dict)  # the only places that results are sent to, by name
 
     @property
     def allowed_hosts(self) -> frozenset[str] | None:

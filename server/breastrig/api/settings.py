@@ -190,6 +190,11 @@ SETTINGS: dict[str, Setting] = {
         "file that says who may sign in, where, and in which groups (TOML); without it whoever has the token may all",
         metavar="FILE",
     ),
+    "archives": Setting(
+        read_folder,
+        "TOML file of the archives (PACS) that results may be sent to",
+        metavar="FILE",
+    ),
     "token_file": Setting(read_folder, f"file that holds the token, instead of {TOKEN_VARIABLE}", metavar="FILE"),
     "no_token": Setting(
         read_yes_or_no,

@@ -19,6 +19,7 @@ from breastrig.api.config import TOKEN_VARIABLE, Config, checked_token
 from breastrig.api.people.people import read_people
 from breastrig.api.settings import token_source
 from breastrig.api.web_server import Server, ServerLimits
+from breastrig.archive.nodes import nodes_of
 from breastrig.cli.interruption import NUMBERS, raise_if_asked
 from breastrig.cli.options.service_options import add_service_options, service_settings
 from breastrig.core.errors import BadSettings
@@ -62,6 +63,7 @@ def run(options: argparse.Namespace) -> int:
         public_hosts=setting["public_host"],
         model=setting["model"],
         keep_days=setting["keep_days"],
+        archives={} if setting["archives"] is None else nodes_of(setting["archives"]),
         log_requests=setting["log_requests"] == "yes"
         or (setting["log_requests"] == "auto" and not sys.stderr.isatty()),
     )

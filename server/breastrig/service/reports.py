@@ -9,6 +9,7 @@ import io
 import zipfile
 from collections.abc import Callable, Hashable, Sequence
 from functools import partial
+from pathlib import Path
 
 from breastrig.audit.certificate import Certificate
 from breastrig.core import wall_clock
@@ -25,6 +26,7 @@ from breastrig.storage.documents.patients import StoredPatient, get_patient, get
 from breastrig.storage.documents.scans import Cuts, cuts_digest, get_scan
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
+from breastrig.use.archive.objects import dicom_zip_of
 from breastrig.use.guides.template import guide_stl_of, template_pdf_of
 from breastrig.use.reports.report import ReportJob, measures_json_of, protocol_pdf_of, report_pages_of, report_pdf_of
 from breastrig.use.volume import volume_vtu_of
@@ -37,6 +39,7 @@ MAKERS: dict[str, Callable[[ReportJob], bytes]] = {
     "template.pdf": template_pdf_of,
     "guide_L.stl": partial(guide_stl_of, side="L"),
     "guide_R.stl": partial(guide_stl_of, side="R"),
+    "dicom.zip": dicom_zip_of,
 }
 PLANNED = (
     "report.pdf",
@@ -44,6 +47,7 @@ PLANNED = (
     "template.pdf",
     "guide_L.stl",
     "guide_R.stl",
+    "dicom.zip",
 )  # what shows the plan; measures are those of the body
 REMEMBERED = 32  # of half a megabyte, volumes of more than one
 TWO_PATIENTS = f"The two scans are filed as those of two patients; {SAYS_NOTHING}"
@@ -93,6 +97,15 @@ class Reports:
         """The guide of one side ("L" or "R"), STL; raises likewise."""
         return self._remembered_or_made(f"guide_{side}.stl", fit_id, None)
 
+    def dicom(self, fit_id: str) -> bytes:
+        """The fit as DICOM objects that carry the patient's code, a zip; raises likewise."""
+        return self._remembered_or_made("dicom.zip", fit_id, None)
+
+    def dicom_for(self, fit_id: str, identities: Path) -> bytes:
+        """The same with the patient of the hospital's file; it is not remembered."""
+        cuts = (shown_cuts(self._storage, get_fit(self._storage, fit_id)),)
+        return self._made("dicom.zip", [fit_id], cuts, ENGLISH, partial(dicom_zip_of, identities=identities))
+
     def protocol(self, language: str = ENGLISH) -> bytes:
         """The page for taking scans with marks."""
         return self._remembered.result(
@@ -141,7 +154,14 @@ class Reports:
         received = tuple(get_scan(self._storage, fit.scan).created_at[:DAY] for fit in fits)
         return Identity(patient.code, wall_clock.now(), received, True, plan.written_at[:DAY], plan.version)
 
-    def _made(self, name: str, ids: list[str], cuts: tuple[Cuts, ...], language: str) -> bytes:
+    def _made(
+        self,
+        name: str,
+        ids: list[str],
+        cuts: tuple[Cuts, ...],
+        language: str,
+        make: Callable[[ReportJob], bytes] | None = None,
+    ) -> bytes:
         with (
             explained("This report", WALL_S, "fit a smaller scan", self._storage, ids),
             self._models.of_fits(ids) as model,
@@ -162,7 +182,7 @@ class Reports:
                 cuts=cuts,
                 language=language,
             )
-            content = self._processes.result(MAKERS[name], (job,), WALL_S)
+            content = self._processes.result(make or MAKERS[name], (job,), WALL_S)
         for one in ids:
             get_fit(self._storage, one)  # NotFound when it was deleted meanwhile
         return content

@@ -7,6 +7,7 @@ TASK_MODULES = (
     *(
         f"breastrig.use.{name}"
         for name in (
+            "archive.objects",
             "cases.visits",
             "guides.template",
             "ink",

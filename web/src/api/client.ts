@@ -14,6 +14,7 @@ import type { Checks,
   GivenLength,
   Ink,
   LandmarkFile,
+  Archived,
   MeasuresFile,
   Meta,
   Model,
@@ -216,6 +217,9 @@ export const client = {
     const answer = await ask(report.replace("report.pdf", name));
     return { blob: await answer.blob(), name: /filename=([\w.-]+)/.exec(answer.headers.get("Content-Disposition") ?? "")?.[1] ?? name };
   },
+  /** Sends a fit to one of the archives that the service names; what the archive noted. Some seconds. */
+  toArchive: async (report: string, archive: string): Promise<string> =>
+    (await askJson<Archived>(report.replace("report.pdf", "archive"), "POST", { archive })).notes.join(" "),
   startFit: (request: FitRequest) => askJson<Pick<Fit, "id" | "links"> & Partial<Pick<Fit, "cuts">>>("/api/fits", "POST", request),
   fit: (fit: string) => askJson<Fit>(`/api/fits/${id(fit)}`),
   /** Marks that the colours of two fits' scans show, for a person to accept; some seconds. */

@@ -21,6 +21,7 @@ export type {
   LandmarkFile,
   LineChecks as Checks,
   Measure,
+  Archived,
   MeasuresFile,
   Meta,
   MovedModel,

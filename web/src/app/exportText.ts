@@ -5,7 +5,7 @@ import { word } from "../languages/words";
 export const files = {
   scale: word("app.files.scale"),
   saveAs: "view.png",
-  ofPlan: { template: "template.pdf", left: "guide.stl?side=L", right: "guide.stl?side=R" } as const,
+  ofPlan: { template: "template.pdf", left: "guide.stl?side=L", right: "guide.stl?side=R", dicom: "dicom.zip" } as const,
   lines: "lines.json",
   linesHint: word("app.files.linesHint"),
   distances: "distances.csv",

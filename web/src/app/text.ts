@@ -36,6 +36,10 @@ export const top = {
 };
 
 export const handover = {
+  toArchive: (archive: string): string => word("app.handover.toArchive", { archive }),
+  toArchiveHint: word("app.handover.toArchiveHint"),
+  archived: (archive: string, notes: string): string => word("app.handover.archived", { archive, notes }),
+  archiving: word("app.handover.archiving"),
   share: word("app.handover.share"),
   shareHint: word("app.handover.shareHint"),
   measures: word("app.handover.measures"),
@@ -44,6 +48,7 @@ export const handover = {
     template: [word("app.handover.ofPlan.template.1"), word("app.handover.ofPlan.template.2")],
     right: [word("app.handover.ofPlan.right.1"), word("app.handover.ofPlan.right.2")],
     left: [word("app.handover.ofPlan.left.1"), word("app.handover.ofPlan.left.2")],
+    dicom: [word("app.handover.ofPlan.dicom.1"), word("app.handover.ofPlan.dicom.2")],
   } as const,
   files: word("app.handover.files"),
   none: word("app.handover.none"),

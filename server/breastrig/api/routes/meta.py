@@ -60,6 +60,7 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
         ],
         patterns=pattern_forms(rig),
         person=caller_answer(),
+        archives=list(context.config.archives),
     )
 
 

@@ -8,7 +8,7 @@ from apiflask import APIBlueprint
 from flask import Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from breastrig.api.answers import CSV, JSON, PDF, PERSONAL, PNG, STL, VTU, bytes_answer, file_of, in_memory
+from breastrig.api.answers import CSV, JSON, PDF, PERSONAL, PNG, STL, VTU, ZIP, bytes_answer, file_of, in_memory
 from breastrig.api.app_context import app_context
 from breastrig.api.language import current_language
 from breastrig.api.routes.fits import FITS_TAG
@@ -127,6 +127,57 @@ def show_guide(fit_id: str, query_data: GuideQuery) -> Response:
     far = re.findall(r"(\d+) mm", guide_said(content))[0]
     name = made.file_name(f"guide-{SIDES[query_data.side]}-notch-{far}mm.stl", fit_id)
     return app_context().patients_file(scans, in_memory(content), STL, name)
+
+
+@reports.get("/<fit_id>/dicom.zip")
+@reports.doc(
+    operation_id="getDicom",
+    responses={200: file_of(ZIP, "report.dcm, measures.dcm, skin.dcm, scan.dcm"), 409: "Not done"},
+)
+def show_dicom(fit_id: str) -> Response:
+    """The fit as DICOM objects of one study, zip
+
+    Encapsulated PDF and STL, and a TID 1500 measurement report, with the patient's code as PatientID.
+    """
+    _check_done(fit_id, None)
+    made = app_context().service.reports
+    content, scans = in_memory(made.dicom(fit_id)), [get_fit(app_context().service.storage, fit_id).scan]
+    return app_context().patients_file(scans, content, ZIP, made.file_name("dicom.zip", fit_id))
+
+
+class ToArchive(BaseModel):
+    """Which archive."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    archive: str = Field(max_length=100, description="one of `archives` of /api/meta")
+
+
+class Archived(BaseModel):
+    """The archive has stored all that it is to have."""
+
+    notes: list[str] = Field(description="what it noted of them, a sentence each")
+
+
+@reports.post("/<fit_id>/archive")
+@reports.input(ToArchive)
+@reports.output(Archived)
+@reports.doc(operation_id="sendToArchive", responses={409: "Not done", 502: "What is stored, what is not, and why"})
+def send_to_archive(fit_id: str, json_data: ToArchive) -> Archived:
+    """Sends the same objects to an archive
+
+    Only to those that the service's administrator has named, with the patient of the hospital's file where there is
+    one; some seconds.
+    """
+    from breastrig.archive.send import send_zip  # the extra `pacs`; a service with archives has it
+
+    _check_done(fit_id, None)
+    node = app_context().config.archives.get(json_data.archive)
+    if node is None:
+        raise BadSettings("This service sends to no archive of that name; its administrator names them.")
+    made = app_context().service.reports
+    content = made.dicom(fit_id) if node.identities is None else made.dicom_for(fit_id, node.identities)
+    return Archived(notes=list(send_zip(content, node)))
 
 
 @reports.get("/<fit_id>/measures.json")

@@ -70,6 +70,7 @@ class Meta(Wire):
     drawings: list[DrawingInfo] = Field(description="that need no parameters; patterns with all defaults among them")
     patterns: list[PatternInfo]
     person: Caller | None = Field(description="who asks; null where the service has no users")
+    archives: list[str] = Field(description="names of those that results can be sent to; an administrator sets them")
 
 
 class Health(Wire):

@@ -29,8 +29,9 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
   const none = el("p", { class: "muted" }, words.none);
   const list = el("ul", { class: "unchecked" });
   const before = el("section", { class: "panel", "aria-label": words.before }, el("h2", {}, words.before), list);
-  const forPrograms = el("details", { class: "file-list" }, el("summary", {}, words.files), files, table, lines, guides);
-  const done = el("div", { class: "panel" }, before, el("h2", {}, words.handOn), share, measures, template);
+  const forPrograms = el("details", { class: "file-list" }, el("summary", {}, words.files), files, table, lines, guides, ofPlan("dicom", "link"));
+  const archives = el("div", { class: "panel", role: "status" });
+  const done = el("div", { class: "panel" }, before, el("h2", {}, words.handOn), share, measures, template, archives);
   const element = el("div", { class: "panel hand-over" }, none, done, forPrograms);
 
   function ofPlan(kind: text.OfPlan, look: string): HTMLButtonElement {
@@ -43,6 +44,20 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
     made.id = `of-plan-${kind}`;
     made.title = words.ofPlan[kind][1];
     return made;
+  }
+
+  function toArchive(archive: string): readonly HTMLElement[] {
+    const said = el("p", { class: "muted" });
+    const send = button(words.toArchive(archive), () => void run(), "outlined wide", "link");
+    const run = async (): Promise<void> => {
+      send.disabled = true;
+      said.textContent = words.archiving;
+      const notes = await actions.files.toArchive(archive);
+      said.textContent = notes === null ? "" : words.archived(archive, notes).trim();
+      send.disabled = false;
+    };
+    send.title = words.toArchiveHint;
+    return [send, said];
   }
 
   async function go({ way, isOther }: Unchecked): Promise<void> {
@@ -64,6 +79,8 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
       show(lines, drawn.lines.present.length > 0);
       show(table, isDone && fit.distances !== null);
       show(forPrograms, isDone || drawn.lines.present.length > 0);
+      const named = isDone ? (state.meta?.archives ?? []) : [];
+      fill(archives, isDone ? [fit.id, ...named].join() : "", () => named.flatMap(toArchive));
       const unchecked = isDone ? uncheckedOf(state) : [];
       fill(list, unchecked, () => unchecked.map((each) => el("li", { class: each.isReady ? "is-ready" : "" }, el("span", {}, each.says), each.way === null ? null : button(words.ways[each.way], () => void go(each), "link"))));
       fill(files, isDone ? fit.id : "", () =>
