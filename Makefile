@@ -21,6 +21,9 @@ help:
 	@echo "make faults  kill, fill, lock and leave: a table of what became of every fit   (KILLS=20)"
 	@echo "make load    clients that work, viewers, and readers of a large scan through a link: times, memory, errors   (LOAD=\"--seconds 60\")"
 	@echo "make routes  every route with every credential: a table of status codes; two share links in two tabs of one browser"
+	@echo "make wheelhouse all wheels with their hashes in dist/wheelhouse, for an installation without a network"
+	@echo "make sbom    the components of that wheelhouse as CycloneDX, dist/sbom.cdx.json"
+	@echo "make audit   known holes of those components, asked of PyPI"
 	@echo "make clean   remove what make made (data stays)"
 
 serve: page $(VENV)/.stamp-serve
@@ -104,6 +107,19 @@ mutants: $(VENV)/.stamp-test
 bench: $(VENV)/.stamp-test
 	OPENBLAS_NUM_THREADS=1 "$(VENV)/bin/python" -m pytest tests/benchmarks --benchmark-only --benchmark-columns=min,median,rounds --benchmark-sort=name $${BENCH}
 
+wheelhouse: page
+	"$(VENV)/bin/python" server/packaging/wheelhouse.py dist/wheelhouse
+
+sbom: $(VENV)/.stamp-release
+	@[ -f dist/wheelhouse/requirements.txt ] || { echo "error: make wheelhouse first" >&2; exit 2; }
+	"$(VENV)/bin/cyclonedx-py" requirements dist/wheelhouse/requirements.txt --output-file dist/sbom.cdx.json
+
+audit: $(VENV)/.stamp-release
+	@[ -f dist/wheelhouse/requirements.txt ] || { echo "error: make wheelhouse first" >&2; exit 2; }
+	@grep -v "^breastrig==" dist/wheelhouse/requirements.txt > dist/audited.txt
+	@"$(VENV)/bin/pip-audit" --requirement dist/audited.txt --disable-pip --require-hashes --progress-spinner off || \
+	    { echo "error: pip-audit found a hole, or no network: its last line says which" >&2; exit 1; }
+
 clean:
 	rm -rf "$(VENV)" web/node_modules web/dist dist .mypy_cache .ruff_cache .hypothesis
 
@@ -138,6 +154,10 @@ $(VENV)/.stamp-docs: $(VENV)/.stamp-venv pyproject.toml
 	$(IN_VENV) "$(VENV)/bin/python" -m pip install -qq --disable-pip-version-check --editable ".[docs]"
 	@touch "$@"
 
+$(VENV)/.stamp-release: $(VENV)/.stamp-venv pyproject.toml
+	$(IN_VENV) "$(VENV)/bin/python" -m pip install -qq --disable-pip-version-check "cyclonedx-bom>=7,<8" "pip-audit>=2.9,<3"
+	@touch "$@"
+
 # Two recipes must not install into the same folder at once, whatever -j says.
 .NOTPARALLEL:
-.PHONY: help cohort mutants serve test check room docs vitest pytest browser fuzz faults scale load routes bench clean page packages programs web-packages
+.PHONY: help cohort mutants serve test check room docs vitest pytest browser fuzz faults scale load routes bench clean page packages programs sbom audit wheelhouse web-packages

@@ -19,12 +19,12 @@ from pydicom.dataset import Dataset
 
 import breastrig
 from breastrig.archive.identities import patient_of
+from breastrig.archive.patient_frame import to_patient
 from breastrig.cli.main import main
 from breastrig.core.errors import BadInput
 from breastrig.rig.model import Rig
 from breastrig.scan.volumes.label_map import FRAME
 from breastrig.use.archive import objects
-from breastrig.use.archive.objects import to_patient
 from breastrig.use.folder.fit_folder import read_fit_folder
 from breastrig.use.reports.report import stance_of
 

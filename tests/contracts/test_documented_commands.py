@@ -122,6 +122,7 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig dicom out/ -o dicom/",
         "breastrig dicom out/ -o dicom/ --identities codes.csv",
     ],
+    "tests/archive/test_slicer.py": ["breastrig export out/ -o files/ --slicer"],
     "tests/archive/test_send.py": [
         "breastrig dicom out/ --send ARCHIVE@pacs.hospital.example:11112 --identities codes.csv",
         "breastrig dicom out/ --stow https://pacs.hospital.example/dicom-web --authorization token",

@@ -21,6 +21,7 @@ from breastrig.use.reports.export_fit import EXPORT_FILES, EXPORT_RECORD, export
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_plan_options(parser, "exported")
+    parser.add_argument("--slicer", action="store_true", help="also scene.mrb, for 3D Slicer")
     add_output_options(parser, "DIR", "folder for the files")
 
 
@@ -31,6 +32,7 @@ def run(options: argparse.Namespace) -> int:
         output_folder(options, [OutputSet(Path(), EXPORT_FILES, EXPORT_RECORD, SET_FORMAT)], inputs)
     ) as out:
         plan = None if options.plan is None else drawing_document(options.plan)
-        write_files(export_files(options.fit, options.model, plan, options.other, options.same_patient), out)
+        files = export_files(options.fit, options.model, plan, options.other, options.same_patient, options.slicer)
+        write_files(files, out)
     say_unchecked(options.fit, options.other)
     return 0

@@ -45,18 +45,6 @@ export function exportActions(store: Store<PageSlice & ScanSlice & FitSlice & Dr
       }
     },
 
-    /** Sends the fit to an archive of the service's; what the archive noted of it, or null where it was not stored. */
-    async toArchive(archive: string): Promise<string | null> {
-      const { fit } = store.get();
-      if (!fit) return null;
-      try {
-        return await client.toArchive(fit.links.report, archive);
-      } catch (error) {
-        store.set((state) => withProblem(state, "page", messageOf(error)));
-        return null;
-      }
-    },
-
     saveDistances: (): void => {
       const { scan, fit } = store.get();
       const distances = fit?.distances;

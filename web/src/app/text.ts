@@ -36,10 +36,6 @@ export const top = {
 };
 
 export const handover = {
-  toArchive: (archive: string): string => word("app.handover.toArchive", { archive }),
-  toArchiveHint: word("app.handover.toArchiveHint"),
-  archived: (archive: string, notes: string): string => word("app.handover.archived", { archive, notes }),
-  archiving: word("app.handover.archiving"),
   share: word("app.handover.share"),
   shareHint: word("app.handover.shareHint"),
   measures: word("app.handover.measures"),

@@ -1,19 +1,24 @@
 """A fit's folder turned into files for other programs (Blender, MeshLab, tetrahedral meshers)."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from breastrig.archive.patient_frame import moved, to_patient
+from breastrig.archive.slicer import slicer_scene
 from breastrig.core.documents import json_bytes
 from breastrig.core.srgb import rgb
 from breastrig.gltf.lines.lines_glb import lines_glb
 from breastrig.report.files.exported import closed_model, vertex_sets
 from breastrig.report.files.geometry_files import obj_lines, ply_lines, surface_ply, surface_stl
+from breastrig.report.stance import places
 from breastrig.use.folder.fit_folder import read_fit_folder
 from breastrig.use.folder.whose import check_whose
 from breastrig.use.reports.report import laid_plan, planned_lines, stance_of
 
 EXPORT_RECORD = "surface.json"
-EXPORT_FILES = ("drawing.glb", "drawing.obj", "drawing.ply", "surface.ply", "surface.stl", EXPORT_RECORD)
+SLICER = "scene.mrb"
+EXPORT_FILES = (SLICER, "drawing.glb", "drawing.obj", "drawing.ply", "surface.ply", "surface.stl", EXPORT_RECORD)
 
 
 def export_files(
@@ -22,8 +27,11 @@ def export_files(
     plan: dict[str, Any] | None = None,
     other: Path | None = None,
     same_patient: bool = False,
+    slicer: bool = False,
 ) -> dict[str, bytes]:
     """drawing.{glb,obj,ply}, where something is drawn, and surface.{ply,stl,json}; by name.
+
+    With `slicer` also scene.mrb, in mm along the patient's axes (LPS).
 
     Drawn is the `plan` (a document), carried from the fit `other` where it was made there; else the fit's own drawing.
 
@@ -48,4 +56,12 @@ def export_files(
     files["surface.ply"] = surface_ply(closed.surface.vertices, closed.surface.faces, per_unit)
     files["surface.stl"] = surface_stl(closed.surface.vertices, closed.surface.faces, per_unit)
     files["surface.json"] = json_bytes(vertex_sets(stance, closed, unit))
+    if slicer:
+        matrix = to_patient(stance, fit.result)
+        surfaces = {"skin": (moved(matrix, stance.vertices), stance.rig.faces)}
+        if not stance.predicted:
+            surfaces["scan"] = (moved(matrix, stance.scan_vertices), stance.scan_faces)
+        landmarks = {name: moved(matrix, place.point) for name, place in places(stance).items()}
+        lines = [replace(line, points=moved(matrix, line.points)) for line in stance.lines]
+        files[SLICER] = slicer_scene(surfaces, landmarks, lines)
     return files

@@ -1,11 +1,14 @@
 // Beside the printed pages: what is not checked yet, a link, measures, files for programs.
+import { client } from "../../api/client";
 import { result as resultText } from "../../fit/text";
+import { messageOf } from "../../store/problems";
 import { only } from "../../store/store";
 import { button } from "../../ui/controls";
 import { el, fill, icon, show } from "../../ui/dom";
 import type { Panel } from "../../ui/Panel";
 import type { Actions } from "../actions";
 import * as text from "../text";
+import { toArchive as archiveWords } from "./text";
 import { type Unchecked, uncheckedOf } from "./unchecked";
 
 const words = text.handover;
@@ -46,17 +49,17 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
     return made;
   }
 
-  function toArchive(archive: string): readonly HTMLElement[] {
+  function toArchive(report: string, archive: string): readonly HTMLElement[] {
     const said = el("p", { class: "muted" });
-    const send = button(words.toArchive(archive), () => void run(), "outlined wide", "link");
+    const send = button(archiveWords.send(archive), () => void run(), "outlined wide", "link");
     const run = async (): Promise<void> => {
       send.disabled = true;
-      said.textContent = words.archiving;
-      const notes = await actions.files.toArchive(archive);
-      said.textContent = notes === null ? "" : words.archived(archive, notes).trim();
+      said.textContent = archiveWords.archiving;
+      const answer = client.toArchive(report, archive).then((notes) => archiveWords.archived(archive, notes).trim());
+      said.textContent = await answer.catch(messageOf);
       send.disabled = false;
     };
-    send.title = words.toArchiveHint;
+    send.title = archiveWords.hint;
     return [send, said];
   }
 
@@ -80,7 +83,7 @@ export function createHandOver(actions: Actions): Panel<HandOverShown> {
       show(table, isDone && fit.distances !== null);
       show(forPrograms, isDone || drawn.lines.present.length > 0);
       const named = isDone ? (state.meta?.archives ?? []) : [];
-      fill(archives, isDone ? [fit.id, ...named].join() : "", () => named.flatMap(toArchive));
+      fill(archives, isDone ? [fit.id, ...named].join() : "", () => named.flatMap((archive) => toArchive(fit?.links.report ?? "", archive)));
       const unchecked = isDone ? uncheckedOf(state) : [];
       fill(list, unchecked, () => unchecked.map((each) => el("li", { class: each.isReady ? "is-ready" : "" }, el("span", {}, each.says), each.way === null ? null : button(words.ways[each.way], () => void go(each), "link"))));
       fill(files, isDone ? fit.id : "", () =>
