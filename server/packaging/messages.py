@@ -44,6 +44,7 @@ ENGLISH_ONLY += (
     "least_squares/problem.py",
     "least_squares/quadratic_program.py",
     "archive/objects.py",
+    "archive/slicer.py",
     "archive/measurements.py",
 )  # DICOM's own words
 # Where every text of two words is said, if only in another one.
