@@ -2,7 +2,7 @@
 
 import re
 
-from breastrig.api.access.audited import AUDITED, BEFORE, MAKES, NAMED_IN_BODY, NOT_AUDITED
+from breastrig.api.access.audited import AUDITED, BEFORE, MAKES, NAMED_IN_BODY, NOT_AUDITED, SENDS
 from breastrig.api.app import _bare_app
 
 
@@ -22,7 +22,7 @@ def test_what_changes_something_is_written_before_it_is_done() -> None:
     }  # fmt: skip
     for rule in _bare_app().url_map.iter_rules():
         if (rule.methods or set()) & {"POST", "PUT", "PATCH", "DELETE"}:
-            before = AUDITED.get(rule.endpoint) in BEFORE
+            before = AUDITED.get(rule.endpoint) in BEFORE or rule.endpoint in SENDS
             assert before != (rule.endpoint in computing or rule.endpoint in NOT_AUDITED), rule.endpoint
         else:
             assert AUDITED.get(rule.endpoint) not in BEFORE, rule.endpoint

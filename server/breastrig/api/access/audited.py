@@ -24,6 +24,7 @@ from breastrig.storage.storage import Storage
 
 OPEN, CHANGE, EXPORT, LINK, DELETE = "open", "change", "export", "link", "delete"
 BEFORE = (CHANGE, LINK, DELETE)  # written before it is done
+SENDS = ("reports.send_to_archive",)  # exports that leave the house: written before, too
 ONCE_S = 300.0  # openings of one thing by one person
 REMEMBERED = 20_000
 NAME_CHARACTERS = 100
@@ -64,6 +65,7 @@ AUDITED = {
             "results.show_result_zip", "results.show_fitted_ply", "reports.show_report", "reports.show_measures_table",
             "reports.show_template", "reports.show_guide", "reports.show_volume", "of_scans.write_landmark_file",
             "shared.show_fitted_ply", "shared.show_report", "audit.show_log", "audit.show_certificate",
+            "reports.show_dicom", "reports.send_to_archive",
         ),
         EXPORT,
     ),
@@ -119,7 +121,7 @@ def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
     def begin() -> None:
         how = request.endpoint or ""
         kind = AUDITED.get(how)
-        if kind not in BEFORE or request.method == "OPTIONS":
+        if (kind not in BEFORE and how not in SENDS) or kind is None or request.method == "OPTIONS":
             return
         of = _of(storage)
         if kind == DELETE:
@@ -141,7 +143,11 @@ def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
                 log.later(Entry(who_asks(), "refused", how, _of(storage), line | {"status": status}))
             elif started is not None and made:
                 log.later(Entry(who_asks(), "done", how, made, line))
-            elif status < 400 and (kind == EXPORT or (kind == OPEN and opened.is_new(who_asks(made), _opens()))):
+            elif (
+                started is None
+                and status < 400
+                and (kind == EXPORT or (kind == OPEN and opened.is_new(who_asks(made), _opens())))
+            ):
                 log.later(Entry(who_asks(made), kind, how, _of(storage) or _with_owner(storage, made), _name()))
         return response
 
