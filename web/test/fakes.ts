@@ -108,6 +108,7 @@ export function page(answers: Partial<Client> = {}, tab: Storage = memory()) {
     landmarks: async () => ({ schema: "breastrig/landmarks@1", unit: "mm", landmarks: {} }),
     ...fakePlans(),
     patient: async (id: string) => ({ id, code: "K7M-4QX", scans: [] }),
+    visits: async () => ({ scans: [] }),
     patients: async () => ({ patients: [], next: null }),
     proposed: async () => ({ landmarks: {}, not_proposed: {} }),
     landmarkFile: async (_scan: Scan, file: File) => JSON.parse(await file.text()) as LandmarkFile,

@@ -42,6 +42,8 @@ import type { Checks,
   TakenLesions,
   UnitChoice,
   Vector,
+  ScanVisit,
+  VisitsFile,
   VolumeAnswers,
 } from "./types";
 
@@ -256,6 +258,10 @@ export const client = {
   pattern: (fit: string, question: PatternQuestion) => askJson<PatternOnScan>(`${fit}/pattern`, "POST", question),
   /** The scan is that patient's from now on, or a new one's; `sameAs`: of these scans of the patient a person has stated that it shows the same patient. */
   moveScan: (scan: string, patient: string | null, sameAs: readonly string[] = []) => askJson<Patient>(`/api/scans/${id(scan)}/patient`, "PUT", { patient, same_as: sameAs }),
+  /** The day of each scan of a patient. */
+  visits: (patient: string) => askJson<{ readonly scans: readonly ScanVisit[] }>(`/api/patients/${id(patient)}/visits`),
+  putVisit: (scan: string, date: string | null, label: string) => askJson<ScanVisit>(`/api/scans/${id(scan)}/visit`, "PUT", { date, label }),
+  visitsFile: (patient: string) => askJson<VisitsFile>(`/api/patients/${id(patient)}/visits.json`),
   measures: (link: string, other: string | null) => askJson<MeasuresFile>(other === null ? link : `${link}?with=${id(other)}`),
   shares: (link: string) => askJson<SharePage>(link),
   makeShare: (link: string, request: ShareRequest) => askJson<ShareMade>(link, "POST", request),

@@ -50,6 +50,7 @@ export type {
   ProposedMarks,
   Scan,
   ScanImage,
+  ScanVisit,
   Share,
   ShareMade,
   SharePage,
@@ -58,6 +59,7 @@ export type {
   Started,
   SurfacePoint,
   TakenLesions,
+  VisitsFile,
 } from "./types.gen";
 
 export type PlanItem = wire.StoredPlan["items"][number];

@@ -167,7 +167,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     next.element,
     [check.element, doubt.element],
   );
-  const help = later(only("isHelpOpen"), ({ isHelpOpen }: Pick<Session, "isHelpOpen">) => isHelpOpen, async () => (await import("./HelpDialog")).createHelpDialog(actions));
+  const help = later(only("isHelpOpen"), ({ isHelpOpen }: Pick<Session, "isHelpOpen">) => isHelpOpen, async () => (await import("./help/HelpDialog")).createHelpDialog(actions));
   const share = later(
     only("problems", "share"),
     (state: Pick<Session, "problems" | "share">) => state.share.isOpen,
@@ -182,7 +182,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const deleted = createDeletionNotice(actions.deletion);
   const changed = createPlanNotice(actions.plan);
   const unsaved = createUnsavedBar(() => actions.unsaved.soon());
-  const strip = createStrip(actions.stances, (state: Session, fit) => (state.checks.of[fit]?.worth_it ? state.checks.of[fit].checks.length : 0));
+  const strip = createStrip({ ...actions.stances, visits: () => actions.visits.open() }, (state: Session, fit) => (state.checks.of[fit]?.worth_it ? state.checks.of[fit].checks.length : 0));
   const top = createTopBar(actions);
   const adding = later(
     only("examples", "problems", "scan", "stance", "fit", "stances"),
@@ -194,6 +194,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
     ({ stances }: Pick<Session, "meta" | "problems" | "fit" | "stances">) => stances.measures.isOpen,
     async () => (await import("../stances/measures/MeasuresDialog")).createMeasuresDialog(actions.stances, () => dismiss("stances")),
   );
+  const visits = later(only("problems", "scan", "stances"), ({ stances }: Pick<Session, "problems" | "scan" | "stances">) => stances.visits.isOpen, async () => (await import("../stances/visits/VisitsDialog")).createVisitsDialog(actions.visits, () => dismiss("stances")));
   const other = createOtherPane(actions.stances);
   host.append(other.caption);
   const live = el("p", { class: "visually-hidden", role: "status", "aria-live": "polite" });
@@ -207,7 +208,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
   const stages = el("main", { class: "stages" }, host, other.element, slices.element, viewBar.element, paper.element, home.element, loading.element, page.element, graphics, deleted.element, changed.element, undone);
 
   return {
-    elements: [top.element, strip.element, stages, side.element, veil, help.element, share.element, adding.element, measures.element, leave.element, deleting.element, unsaved.element, live],
+    elements: [top.element, strip.element, stages, side.element, veil, help.element, share.element, adding.element, measures.element, visits.element, leave.element, deleting.element, unsaved.element, live],
     ink,
     stages: { main: { host, canvas, overlay }, other: other.stage, picture: guide.canvas, light: guide.light },
     follow(store): void {
@@ -257,6 +258,7 @@ export function createPage(actions: Actions, dismiss: (place: Place) => void): P
       on(share);
       on(adding);
       on(measures);
+      on(visits);
       on(other);
       on(slices);
       on(leave);

@@ -17,6 +17,7 @@ import { scanActions } from "../scan/actions";
 import { shareActions } from "../share/actions";
 import { foundActions } from "../stances/found/actions";
 import { stancesActions } from "../stances/actions";
+import { visitsActions } from "../stances/visits/actions";
 import { createOutbox, type Outbox } from "../store/outbox";
 import { messageOf, withProblem } from "../store/problems";
 import type { Store } from "../store/store";
@@ -84,7 +85,7 @@ function allActions(store: Store<Session>, ...[client, prefersStill, outbox = cr
     found: foundActions(store, client, landmarks),
     checks: checkActions(store, client, { landmarks, fit, follower, saved: async () => (await drawing.flush(), plan.settled()) }),
     patients,
-    share: shareActions(store, client),
+    share: shareActions(store, client), visits: visitsActions(store, client),
     proposals,
     /** What still waits is saved first; the page that follows asks for the token. */
     async signOut(): Promise<void> {

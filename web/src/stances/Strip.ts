@@ -17,9 +17,10 @@ export const dayName = (at: Date, now: Date): string => (isToday(at, now) ? word
 export const isToday = (at: Date, now: Date): boolean => at.toDateString() === now.toDateString();
 
 /** `pointsOf`: how many are worth checking on a fit, as far as that was asked. */
-export function createStrip<More extends StripShown & { readonly isStarting: boolean }>(stances: StancesActions, pointsOf: (state: More, fit: string) => number): Panel<{ readonly thumbs: string; readonly isBusy: boolean }, More> {
+export function createStrip<More extends StripShown & { readonly isStarting: boolean }>(stances: Pick<StancesActions, "dialog" | "tap"> & { visits(): Promise<void> }, pointsOf: (state: More, fit: string) => number): Panel<{ readonly thumbs: string; readonly isBusy: boolean }, More> {
   const days = el("div", { class: "strip-days" });
   const add = el("button", { type: "button", class: "strip-add", id: "add-scan", title: words.addHint, onclick: () => stances.dialog(true) }, words.add);
+  const visits = el("button", { type: "button", class: "strip-add", id: "visits", title: words.visitsHint, onclick: () => void stances.visits() }, words.visits);
   const element = el("nav", { class: "strip", "aria-label": words.label }, days);
 
   function thumb(of: Thumb & { readonly points: number }, isBusy: boolean): HTMLElement {
@@ -41,7 +42,8 @@ export function createStrip<More extends StripShown & { readonly isStarting: boo
       const held = document.activeElement?.closest<HTMLElement>(".thumb")?.dataset.scan;
       fill(days, [thumbs, isBusy], () => {
         const all = daysOf(JSON.parse(thumbs) as (Thumb & { points: number })[]);
-        return all.length === 0 ? [add] : all.map(([at, of], i) => el("section", { class: "strip-day" }, el("h2", {}, dayName(new Date(at), new Date())), ...of.map((each) => thumb(each, isBusy)), i === 0 ? add : null));
+        const scanned = all.flatMap(([, of]) => of).filter(({ isPredicted }) => !isPredicted).length;
+        return all.length === 0 ? [add] : all.map(([at, of], i) => el("section", { class: "strip-day" }, el("h2", {}, [dayName(new Date(at), new Date()), ...new Set(of.map(({ visit }) => visit).filter((visit) => visit !== ""))].join(", ")), ...of.map((each) => thumb(each, isBusy)), i === 0 ? add : null, i === 0 && scanned > 1 ? visits : null));
       });
       if (held) days.querySelector<HTMLElement>(`[data-scan="${CSS.escape(held)}"]`)?.focus();
     },

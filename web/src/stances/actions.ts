@@ -115,6 +115,8 @@ export function stancesActions(store: Store<State>, client: Client, others: Othe
     try {
       const { scans } = await client.patient(scan.patient);
       if (store.get().scan?.info.id === scan.id) put({ scans: scans.filter(({ id }) => !gone.has(id)) });
+      const days = scans.length > 1 ? (await client.visits(scan.patient)).scans : null;
+      if (store.get().scan?.info.id === scan.id) put({ visits: { ...store.get().stances.visits, days } });
     } catch (error) {
       fail(error);
     }

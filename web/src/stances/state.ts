@@ -1,5 +1,5 @@
 // Two stances of one patient: the page works on one, the other one waits with all that belongs to it.
-import type { MeasuresFile, Patient, Stance } from "../api/types";
+import type { MeasuresFile, Patient, ScanVisit, Stance, VisitsFile } from "../api/types";
 import { type DrawingSlice, handsOff, startDrawn } from "../drawing/state";
 import type { FitSlice, FitState } from "../fit/state";
 import type { LandmarksSlice } from "../landmarks/state";
@@ -27,6 +27,13 @@ export interface AskedPair {
 
 export const isSamePair = (one: AskedPair, other: AskedPair): boolean => [one.scan, one.other].every((id) => id === other.scan || id === other.other);
 
+export interface VisitsState {
+  readonly isOpen: boolean;
+  readonly isBusy: boolean;
+  readonly days: readonly ScanVisit[] | null; // of all scans; null: not asked for yet
+  readonly file: VisitsFile | null;
+}
+
 export interface StancesState {
   readonly other: Workspace | null;
   readonly isSecond: boolean; // the page works on the one that came second: it stands to the right
@@ -42,6 +49,7 @@ export interface StancesState {
   readonly answers: number; // so many were given here
   readonly predicting: Stance | null; // the one that is being predicted
   readonly measures: { readonly isOpen: boolean; readonly isBusy: boolean; readonly of: string; readonly file: MeasuresFile | null; readonly pointed: string | null }; // pointed: at this row, measureKey
+  readonly visits: VisitsState;
 }
 
 export interface StancesSlice {
@@ -65,6 +73,7 @@ export const initialStances: StancesState = {
   answers: 0,
   predicting: null,
   measures: { isOpen: false, isBusy: false, of: "", file: null, pointed: null },
+  visits: { isOpen: false, isBusy: false, days: null, file: null },
 };
 
 /** What the page has of its scan, as it may wait: a replay is at its end. */

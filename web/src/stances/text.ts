@@ -13,6 +13,8 @@ export const strip = {
   pane: (pane: number) => word("stances.strip.pane", { pane }),
   add: word("stances.strip.add"),
   addHint: word("stances.strip.addHint"),
+  visits: word("stances.strip.visits"),
+  visitsHint: word("stances.strip.visitsHint"),
 };
 
 export const stances = {

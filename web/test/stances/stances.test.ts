@@ -292,7 +292,7 @@ test("a tap on the strip shows a scan, a second one another beside it; one that 
 });
 
 test("days of the strip: the newest first, in each the same order", () => {
-  const thumb = (id: string, at: string) => ({ id, at, stance: "standing" as const, isImage: false, isPredicted: false, picture: "", pane: null, fit: null });
+  const thumb = (id: string, at: string) => ({ id, at, stance: "standing" as const, isImage: false, isPredicted: false, picture: "", pane: null, fit: null, day: null, visit: "" });
   const days = daysOf([thumb("a", "2026-03-12T09:00:00Z"), thumb("b", "2026-11-27T09:00:00Z"), thumb("c", "2026-03-12T10:00:00Z")]);
   expect(days.map(([, thumbs]) => thumbs.map(({ id }) => id))).toEqual([["b"], ["a", "c"]]);
 });

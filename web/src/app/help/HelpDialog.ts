@@ -1,11 +1,11 @@
 // The keyboard and the mouse, on one card.
-import { only } from "../store/store";
-import { iconButton } from "../ui/controls";
-import { el } from "../ui/dom";
-import type { Panel } from "../ui/Panel";
-import { close as closeText, noticeLong } from "../ui/text";
-import type { Actions } from "./actions";
-import type { Session } from "./session";
+import { only } from "../../store/store";
+import { iconButton } from "../../ui/controls";
+import { el } from "../../ui/dom";
+import type { Panel } from "../../ui/Panel";
+import { close as closeText, noticeLong } from "../../ui/text";
+import type { Actions } from "../actions";
+import type { Session } from "../session";
 import { help as text } from "./helpText";
 
 const table = (rows: readonly (readonly string[])[]): HTMLElement =>

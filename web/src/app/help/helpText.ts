@@ -1,6 +1,6 @@
 // The list of keys.
 
-import { word } from "../languages/words";
+import { word } from "../../languages/words";
 
 export const help = {
   title: word("app.help.title"),

@@ -1,0 +1,52 @@
+// The visits of a patient: on which day each scan was taken, as a person says it, and what changed between the days.
+import type { Client } from "../../api/client";
+import type { ScanSlice } from "../../scan/state";
+import type { PageSlice } from "../../store/page";
+import { messageOf, withProblem } from "../../store/problems";
+import type { Store } from "../../store/store";
+import type { StancesSlice, VisitsState } from "../state";
+
+type State = PageSlice & ScanSlice & StancesSlice;
+
+export function visitsActions(store: Store<State>, client: Client) {
+  const put = (part: Partial<VisitsState>): void => store.set(({ stances }) => ({ stances: { ...stances, visits: { ...stances.visits, ...part } } }));
+  const patient = (): string | undefined => store.get().scan?.info.patient;
+
+  /** Asks the service; an answer for a patient who is not on the page any more is dropped. */
+  async function forPatient(ask: (of: string) => Promise<Partial<VisitsState>>): Promise<void> {
+    const of = patient();
+    if (of === undefined) return;
+    store.set((state) => withProblem(state, "stances", null));
+    put({ isBusy: true });
+    try {
+      const found = await ask(of);
+      if (patient() === of) put({ ...found, isBusy: false });
+    } catch (error) {
+      put({ isBusy: false });
+      store.set((state) => withProblem(state, "stances", messageOf(error)));
+    }
+  }
+
+  const read = async (of: string): Promise<Partial<VisitsState>> => {
+    const { scans } = await client.visits(of);
+    return { days: scans, file: await client.visitsFile(of) };
+  };
+
+  return {
+    async open(): Promise<void> {
+      put({ isOpen: true, file: null });
+      await forPatient(read);
+    },
+
+    close: (): void => put({ isOpen: false }),
+
+    /** An empty day is one that is not known. */
+    say: (scan: string, day: string, label: string): Promise<void> =>
+      forPatient(async (of) => {
+        await client.putVisit(scan, day === "" ? null : day, label);
+        return read(of);
+      }),
+  };
+}
+
+export type VisitsActions = ReturnType<typeof visitsActions>;
