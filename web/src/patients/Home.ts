@@ -44,7 +44,7 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
   const list = el("ul", { class: "patients", "aria-label": words.title });
   const none = el("p", { class: "muted", hidden: true });
   const more = button(words.more, () => void patients.more(), "outlined");
-  const head = el("div", { class: "home-head" }, el("h1", {}, words.title), search, order.element, el("span", { class: "spring" }), group.element, fresh);
+  const head = el("div", { class: "home-head" }, el("h1", {}, words.title), search, order.element, el("span", { class: "spring" }), fresh);
   const noticed = el("p", { class: "home-notice is-out" }, words.notice);
   const element = el("div", { class: "home" }, el("div", { class: "home-page" }, head, reader, wrong.element, service.element, drop, list, none, more, noticed));
 
@@ -75,7 +75,8 @@ export function createHome(patients: PatientActions, bring: Bringing, addressOf:
       for (const each of [fresh, drop]) show(each, !isReader);
       show(reader, isReader);
       const offered = groupsForNew(meta);
-      show(group.element, offered.length > 0 && !isReader);
+      if (offered.length === 0 || isReader) group.element.remove();
+      else if (group.element.parentElement === null) fresh.before(group.element);
       group.set([{ value: "", label: allGroups(meta).length > 0 && (meta?.person?.groups.length ?? 0) < 2 ? words.groupNone : words.groupChoose }, ...offered.map((each) => ({ value: each, label: each }))], chosen);
       setText(limit, words.limit(meta ? formatMegabytes(meta.limits.upload_bytes) : null, meta ? formatMegabytes(meta.limits.zip_bytes) : null));
       examples.element.classList.toggle("is-out", known.length === 0);
