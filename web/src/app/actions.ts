@@ -28,7 +28,7 @@ import { exportActions } from "./exportActions";
 import { keepTrying } from "./keepTrying";
 import { leavingActions } from "./leaving";
 import { pageActions } from "./pageActions";
-import { forPerson } from "./people/reader";
+import { CHANGES, forPerson } from "./people/reader";
 import { scanContents } from "./scanContents";
 import type { Session } from "./session";
 
@@ -108,3 +108,4 @@ function allActions(store: Store<Session>, ...[client, prefersStill, outbox = cr
 export type Actions = ReturnType<typeof allActions>;
 
 export const createActions = (store: Store<Session>, ...given: Given): Actions => forPerson(allActions(store, ...given), store);
+CHANGES satisfies { readonly [Room in keyof Actions]?: readonly (keyof Actions[Room])[] };

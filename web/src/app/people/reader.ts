@@ -3,10 +3,7 @@ import { mayPlan } from "../../store/person";
 import type { PageSlice } from "../../store/page";
 import { withProblem } from "../../store/problems";
 import type { Store } from "../../store/store";
-import type { Actions } from "../actions";
 import { people as words } from "./text";
-
-type Changes = { readonly [Room in keyof Actions]?: readonly (keyof Actions[Room])[] };
 
 export const CHANGES = {
   bring: ["files", "begin", "again", "takeSegments", "examples", "sizeIsRight"],
@@ -26,12 +23,13 @@ export const CHANGES = {
   stances: ["dialog", "name", "upload", "takeExample", "takeExampleBeside", "takeKnown", "remove", "fitBoth", "predict", "samePatient"],
   checks: ["begin", "yes", "unseen", "move", "keep", "takeOut", "exchange", "stance"],
   patients: ["rename", "remove", "give"],
+  visits: ["say"],
   share: ["open", "make", "unlock", "refresh", "revoke"],
   fit: ["start", "refit", "cancel", "chooseStance", "choosePreset", "chooseRefine"],
-} as const satisfies Changes;
+} as const;
 
 /** The same actions; each that changes something first looks whether the person may. */
-export function forPerson(actions: Actions, store: Store<PageSlice>): Actions {
+export function forPerson<Actions extends Readonly<Record<keyof typeof CHANGES, object>>>(actions: Actions, store: Store<PageSlice>): Actions {
   const refuse = (): void => store.set((state) => ({ announcement: said(state), ...withProblem(state, "page", said(state)) }));
   const guarded = (room: object, names: readonly string[]): object =>
     Object.fromEntries(
@@ -41,7 +39,7 @@ export function forPerson(actions: Actions, store: Store<PageSlice>): Actions {
       ]),
     );
   const rooms = Object.entries(CHANGES).map(([room, names]) => [room, guarded(actions[room as keyof typeof CHANGES], names)]);
-  return { ...actions, ...(Object.fromEntries(rooms) as Pick<Actions, keyof typeof CHANGES>) };
+  return { ...actions, ...(Object.fromEntries(rooms) as Partial<Actions>) };
 }
 
 const said = ({ meta }: Pick<PageSlice, "meta">): string => words.mayLook(meta?.person?.name ?? "");
