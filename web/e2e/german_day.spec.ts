@@ -1,9 +1,9 @@
 // A German surgeon's day: the page is German because the browser is, decimals have a comma, nothing English is left and every
-// word fits.
+// word fits; the other language is a click away and back, for whoever visits a link as well.
 import { expect, type Page } from "@playwright/test";
 import { word } from "../src/languages/words";
 import { expectGerman } from "./german";
-import { addToPlan, details, hook, numberField, planItem, test, untilFitted } from "./page";
+import { addToPlan, details, hook, numberField, openShare, planItem, test, untilFitted } from "./page";
 import { holdFits, STATES } from "./states";
 import { said, speakIn } from "./words";
 
@@ -19,7 +19,7 @@ async function write(page: Page, name: string, value: string): Promise<void> {
   await numberField(page, name).press("Tab");
 }
 
-test("a day in German: scan, landmarks, fit, plan, second scan, measures and hand over", async ({ page, base, troubles }, info) => {
+test("a day in German: scan, landmarks, fit, plan, second scan, measures, hand over, a link, and the other language", async ({ page, base, troubles }, info) => {
   test.slow(); // a whole day
   const look = (name: string) => expectGerman(page, name, process.env.BREASTRIG_SHOW_FOLDER ? (screen) => `${process.env.BREASTRIG_SHOW_FOLDER}/${name}_${screen}.png` : undefined);
   await page.emulateMedia({ reducedMotion: "reduce" });
@@ -80,6 +80,39 @@ test("a day in German: scan, landmarks, fit, plan, second scan, measures and han
     await look("hand over");
   });
 
+  await test.step("the other language is a click away, keeps everything, and so is the way back", async () => {
+    const before = await state(page);
+    const change = async (name: string): Promise<void> => {
+      await page.locator("[popovertarget=page-menu]").click();
+      await Promise.all([page.waitForEvent("load"), page.locator("#page-menu").getByRole("button", { name, exact: true }).click()]);
+      await page.evaluate(() => (window as unknown as { releaseFit: () => void }).releaseFit());
+      await hook.ready(page);
+      await untilFitted(page);
+    };
+    await page.keyboard.press("3");
+    await change("English");
+    expect(await language(page)).toBe("en");
+    await expect(page.locator("#tab-body")).toHaveText("Body");
+    const [cookie] = (await page.context().cookies()).filter(({ name }) => name === "breastrig_language");
+    expect(cookie).toMatchObject({ value: "en", path: "/", sameSite: "Strict" });
+    expect((await state(page)).drawing).toBe(before.drawing);
+    await change("Deutsch");
+    expect(await language(page)).toBe("de");
+    await expect(page.locator("#tab-body")).toHaveText("Körper");
+  });
+
+  await test.step("a visitor of a link", async () => {
+    await openShare(page);
+    await page.getByRole("dialog").getByRole("button", { name: said("share.make") }).click();
+    const address = page.getByLabel(word("share.link"));
+    await expect(address).toHaveValue(/\/s#/);
+    await page.goto(await address.inputValue());
+    await expect(page.getByText(word("share.shared.what"))).toBeVisible();
+    await look("shared viewer");
+    await Promise.all([page.waitForEvent("load"), page.getByRole("button", { name: "English", exact: true }).click()]);
+    await expect(page.getByText("This result was shared with you")).toBeVisible();
+    expect(await language(page)).toBe("en");
+  });
   expect(troubles).toEqual([]);
   expect(info.errors).toEqual([]);
 });
