@@ -230,6 +230,11 @@ LISTED = {  # why they are not run here, or the test that runs them
     "tests/contracts/test_types_fresh.py": [
         "python -m breastrig.api.write_openapi",
     ],
+    "on a machine without a network, from the folder of `make wheelhouse`": [
+        "python3 -m venv /opt/breastrig",
+        "cd wheelhouse",
+        "/opt/breastrig/bin/pip install --no-index --find-links . --require-hashes -r requirements.txt",
+    ],
     "this very run": [
         "pytest tests/contracts",
     ],
