@@ -37,7 +37,7 @@ export function patientCard(patient: Patient, isGoing: boolean, patients: Patien
   const menu = createMenu(`patient-menu-${count}`, "\u2022\u2022\u2022", words.more1(spoken), "icon-only", menuItem(words.rename, words.code, () => named(true)), menuItem(words.remove, "", () => show(ask, true)));
   menu.card.addEventListener("click", () => menu.close());
   const pictures = latestScans(patient).map(({ thumbnail, kind, stance }) =>
-    el("span", { class: "picture-of" }, el("img", { src: thumbnail, alt: "", width: 62, height: 76, loading: "lazy", onerror: ({ target }) => ((target as HTMLElement).style.visibility = "hidden") }), el("span", {}, kind === "image" ? words.image : stance)),
+    el("span", { class: "picture-of" }, el("img", { src: thumbnail, alt: "", width: 62, height: 76, loading: "lazy", onerror: ({ target }) => ((target as HTMLElement).style.visibility = "hidden") }), el("span", {}, kind === "image" ? words.image : words.stances[stance])),
   );
   const { mm, says, isKnown } = sureness(patient, points);
   const until = deletedAt(patient);

@@ -27,6 +27,7 @@ export const home = {
   more: word("patients.home.more"),
   more1: (code: string) => word("patients.home.more1", { code }),
   image: word("patients.home.image"),
+  stances: { standing: word("patients.home.stances.standing"), supine: word("patients.home.stances.supine"), prone: word("patients.home.stances.prone") }, // below a small picture
   onImage: word("patients.home.onImage"),
   lines: (count: number) => word("patients.home.lines", { count }),
   lesions: (count: number) => word("patients.home.lesions", { count }),

@@ -105,11 +105,11 @@ const title = (name: string): string => {
 function row(line: MeasureLine, groups: number, labels: ReadonlyMap<string, string>, pointAt: (key: string | null) => void): HTMLElement[] {
   const readable = (names: string): string => names.replace(/[a-z]+(_[a-zA-Z]+)*/g, (name) => labels.get(name) ?? name);
   const where = line.landmarks.map(({ stance, words: between }) => `${title(stance)}: ${readable(between)}`);
-  const facts = [[words.kind, line.kind], [words.method, line.method], [words.landmarks, where.join("\n")]] as const;
+  const facts = [[words.kind, words.kindSaid(line.kind)], [words.method, line.method], [words.landmarks, where.join("\n")]] as const;
   const unit = UNITS[line.unit];
   const list = el("dl", {}, ...facts.flatMap(([fact, value]) => [el("dt", {}, fact), el("dd", {}, value)]));
   const more = el("tr", { class: "facts", hidden: true }, el("td", { colspan: 1 + groups * COLUMNS.length }, list));
-  const label = el("span", {}, line.label, el("span", { class: "unit" }, ` ${line.kind}${unit === "" ? "" : `, ${unit}`}`));
+  const label = el("span", {}, line.label, el("span", { class: "unit" }, ` ${words.kindSaid(line.kind)}${unit === "" ? "" : `, ${unit}`}`));
   const open = el(
     "button",
     {

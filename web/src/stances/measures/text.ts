@@ -1,7 +1,11 @@
 // The table of measures, loaded when it is opened.
 import { word } from "../../languages/words";
 
+const kinds: Readonly<Record<string, string>> = { straight: word("stances.measures.table.kinds.straight"), "along the skin": word("stances.measures.table.kinds.alongSkin"), "in height": word("stances.measures.table.kinds.inHeight"), volume: word("stances.measures.table.kinds.volume"), ratio: word("stances.measures.table.kinds.ratio") };
+
 export const table = {
+  /** by what the file has, which stays English */
+  kindSaid: (kind: string) => kinds[kind] ?? kind,
   title: word("stances.measures.table.title"),
   one: word("stances.measures.table.one"),
   measure: word("stances.measures.table.measure"),
