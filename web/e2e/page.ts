@@ -98,9 +98,9 @@ export async function fittedExample(page: Page, base: string, { stances = ["stan
     return (await answer.json()) as Body;
   };
   const made: { scan: Made; fit: Made }[] = [];
-  for (const stance of stances) {
+  for (const [i, stance] of stances.entries()) {
     const scan = await send<Made & { example_landmarks: LandmarkFile }>("post", `/api/examples/${stance}`);
-    if (made[0]) await send("put", `/api/scans/${scan.id}/patient`, { patient: made[0].scan.patient });
+    if (made[0]) await send("put", `/api/scans/${scan.id}/patient`, { patient: made[0].scan.patient, ...(stances.indexOf(stance) < i ? { again: true } : {}) });
     const placed = landmarks && { ...scan.example_landmarks.landmarks, ...landmarks };
     if (placed) await send("put", scan.links.landmarks!, { unit: "mm", landmarks: placed });
     made.push({ scan, fit: await send<Made>("post", "/api/fits", { scan: scan.id, ...(placed ? { landmarks: placed } : {}), ...fit }) });

@@ -31,6 +31,8 @@ export const top = {
   fitsAtOnce: (isOn: boolean) => word(isOn ? "app.top.fitsAtOnce" : "app.top.fitsWhenAsked"),
   fitsAtOnceHint: word("app.top.fitsAtOnceHint"),
   signOut: word("app.top.signOut"),
+  audit: word("app.top.audit"),
+  auditHint: word("app.top.auditHint"),
   help: word("app.top.help"),
   helpHint: word("app.top.helpHint"),
 };

@@ -27,11 +27,15 @@ class PatientVisits(Wire):
     scans: list[ScanVisit]
 
 
-class PlotQuery(Wire):
+class _PictureQuery(Wire):
+    drawn: str = Field("", max_length=32, description="any text: with another one no browser shows an earlier picture")
+
+
+class PlotQuery(_PictureQuery):
     stance: Stance
 
 
-class ChangeQuery(Wire):
+class ChangeQuery(_PictureQuery):
     scan: Name
     with_: Name = Field(alias="with", description="the other scan; the order does not matter")
 

@@ -64,6 +64,7 @@ export function createTopBar(actions: Actions): Panel<Shown> {
   const theme = menuItem("", "", () => actions.page.nextTheme());
   const fits = menuItem("", words.fitsAtOnceHint, () => actions.bring.chooseFitsAtOnce(!(shown?.fitsAtOnce ?? true)));
   const who = el("p", { class: "menu-who muted small" });
+  const audit = menuItem(words.audit, words.auditHint, () => void window.open("/api/audit/page", "_blank", "noopener"));
   const leave = menuItem(words.signOut, "", () => void actions.signOut());
   const languages = otherLanguages().map(({ language, name: called }) => {
     const item = menuItem(called, "", () => changeLanguage(language));
@@ -74,7 +75,7 @@ export function createTopBar(actions: Actions): Panel<Shown> {
     menuItem(words.picture, words.pictureHint, () => void actions.files.save()),
     menuItem(words.remove, "", () => actions.deletion.ask(true)),
   ];
-  const menu = createMenu("page-menu", "\u2022\u2022\u2022", words.menu, "icon-only", ...ofScan, fits, theme, ...languages, menuItem(words.help, words.helpHint, () => actions.page.help(true)), who, leave);
+  const menu = createMenu("page-menu", "\u2022\u2022\u2022", words.menu, "icon-only", ...ofScan, fits, theme, ...languages, menuItem(words.help, words.helpHint, () => actions.page.help(true)), audit, who, leave);
   const element = el("header", { class: "top-bar" }, home, title, about, nav, el("span", { class: "top-end" }, undo, redo, saved, menu.element));
   menu.card.addEventListener("click", ({ target }) => target !== menu.card && ![theme, fits].some((each) => each.contains(target as Node)) && menu.close());
   let shown: Shown | null = null;
@@ -109,6 +110,7 @@ export function createTopBar(actions: Actions): Panel<Shown> {
       show(leave, state.isSignedIn);
       const person = state.meta?.person ?? null;
       show(who, person !== null);
+      show(audit, person === null || person.role === "administer");
       if (person) setText(who, `${people.who(person.name)} · ${people.roles[person.role]}`);
       setText(fits.querySelector("span")!, words.fitsAtOnce(state.fitsAtOnce));
       if (state.theme === drawn) return;

@@ -75,13 +75,15 @@ export function createVisitsDialog(actions: VisitsActions, dismiss: () => void):
 
 const called = ({ date, label }: Stance["visits"][number]): string => (label === "" ? date : `${date}, ${label}`);
 
-/** The address says what the picture is of, so that no earlier one is shown for another day or name. */
+/** A part of pictures' addresses, so that no earlier one is shown for another day, name or fit. */
+let drawn = Date.now();
+
 function stanceOf(of: Stance, place: string): HTMLElement {
-  const version = encodeURIComponent(JSON.stringify(of.visits.map(({ scan, date, label }) => [scan, date, label])).length.toString() + of.visits.map(called).join());
+  drawn += 1;
   return el(
     "section",
     {},
-    el("img", { class: "visit-plots", src: `${place}/visits.svg?stance=${of.stance}#${version}`, alt: words.plots(of.stance) }),
+    el("img", { class: "visit-plots", src: `${place}/visits.svg?stance=${of.stance}&drawn=${drawn}`, alt: words.plots(of.stance) }),
     ...of.changes.map((change) => {
       const [earlier, later] = [of.visits[change.earlier]!, of.visits[change.later]!];
       const pair = `scan=${encodeURIComponent(earlier.scan)}&with=${encodeURIComponent(later.scan)}`;
@@ -91,7 +93,7 @@ function stanceOf(of: Stance, place: string): HTMLElement {
         el("h3", {}, words.between(capital(of.stance), called(earlier), called(later))),
         el("ul", {}, ...saidOf(change).map((sentence) => el("li", {}, sentence))),
         ...[...change.doubts, change.missing ?? ""].filter((each) => each !== "").map((each) => el("p", { class: "look-here" }, each)),
-        change.map === null ? null : el("img", { class: "visit-map", src: `${place}/change.png?${pair}`, alt: words.map, loading: "lazy" }),
+        change.map === null ? null : el("img", { class: "visit-map", src: `${place}/change.png?${pair}&drawn=${drawn}`, alt: words.map, loading: "lazy" }),
         change.map === null ? null : el("a", { class: "button outlined", href: `${place}/change.glb?${pair}`, download: words.file }, icon("download"), el("span", {}, words.file)),
       );
     }),

@@ -1,0 +1,30 @@
+// Visits: two scans of one position get their days on the page, and what changed between them is said, drawn and plotted.
+import { expect } from "@playwright/test";
+import { fittedExample, hook, test } from "./page";
+
+test("one scan brought twice, two days: nothing is said to have changed, and the plots follow the days", async ({ page, base, troubles }) => {
+  await fittedExample(page, base, { stances: ["standing", "standing"] });
+  await page.locator("#visits").click();
+  const dialog = page.locator("dialog.visits");
+  await expect(dialog).toContainText("The day of a scan is missing");
+  const rows = dialog.locator(".visit-scans li");
+  await expect(rows).toHaveCount(2);
+  for (const [i, day] of ["2026-03-01", "2026-09-01"].entries()) {
+    await rows.nth(i).getByLabel("Day of the scan").fill(day);
+    await rows.nth(i).getByLabel("Day of the scan").press("Tab");
+    await expect.poll(async () => (await hook.state(page)).stances.visits.days?.filter(({ date }) => date !== null).length).toBe(i + 1);
+    await expect.poll(async () => (await hook.state(page)).stances.visits.isBusy).toBe(false);
+  }
+  await expect(dialog.getByRole("heading", { level: 3 })).toHaveText("Standing: from 2026-03-01 to 2026-09-01");
+  for (const side of ["Left", "Right"]) await expect(dialog).toContainText(new RegExp(`${side} breast: no change of the skin beyond the band of \\d\\.\\d mm`));
+  const width = (part: string): Promise<number> => dialog.locator(part).evaluate((image: HTMLImageElement) => (image.loading = "eager", image.decode().then(() => image.naturalWidth)));
+  expect(await width("img.visit-plots")).toBeGreaterThan(100);
+  expect(await width("img.visit-map")).toBeGreaterThan(100);
+  await page.screenshot({ path: test.info().outputPath("visits.png") });
+  const renamed = page.waitForResponse((answer) => answer.url().includes("/visits.svg"));
+  await rows.nth(1).getByLabel("Name of the visit").fill("6 months");
+  await rows.nth(1).getByLabel("Name of the visit").press("Tab");
+  expect(await (await renamed).text(), "the plot is drawn anew, not taken from the browser's memory").toContain("6 months");
+  await expect(dialog.getByRole("heading", { level: 3 })).toHaveText("Standing: from 2026-03-01 to 2026-09-01, 6 months");
+  expect(troubles).toEqual([]);
+});
