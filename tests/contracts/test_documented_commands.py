@@ -107,7 +107,6 @@ LISTED = {  # why they are not run here, or the test that runs them
         "breastrig backup /mnt/backups/ DATA",
         "breastrig restore /mnt/backups/breastrig-2026-11-29T101500Z.age NEW --audit DATA",
         "breastrig backup",
-        "age -d FILE | tar x",
     ],
     "tests/report/test_protocol.py": [
         "breastrig protocol -o protocol.pdf",
