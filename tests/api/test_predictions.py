@@ -79,7 +79,7 @@ def test_a_prediction_is_a_fit_that_says_what_it_is_and_is_made_once(real: Real)
     assert [each["event"]["kind"] for each in events] == ["started", "done"]
     with real.client.get(real.predicted["links"]["result"]) as file:
         result = file.json
-    assert (result["predicted"], result["verdict"]) == (True, {"level": "check", "reasons": [NOT_SCANNED]})
+    assert (result["predicted"], result["verdict"]) == (True, {"level": "check", "reasons": [NOT_SCANNED], "about": []})
     (scan,) = real.client.get(f"/api/patients/{real.scan['patient']}").json["scans"]
     assert (scan["stance"], scan["fit"]["id"]) == ("standing", real.fit["id"])  # who was scanned how
     with real.client.get(real.predicted["links"]["fitted_ply"]) as file:

@@ -80,7 +80,14 @@ def test_every_call_on_a_full_disk(tmp_path: Path, model: Path, torso: bytes) ->
         wait_for_ends(api, [fit], tmp_path / "log")
         document = api.get("/api/openapi.json").json()
         ids = {"scan_id": scan["id"], "fit_id": fit, "patient_id": scan["patient"], "share_id": "0" * 32}
-        ids |= {"version": "1", "iteration": "0", "name": "standing", "kind": "pp", "sha256": "0" * 64}
+        ids |= {
+            "version": "1",
+            "iteration": "0",
+            "name": "standing",
+            "kind": "pp",
+            "sha256": "0" * 64,
+            "deleted_id": "0" * 22,
+        }
         sent = bodies(api, scan["id"])
         fill(disk)
         answered = {}

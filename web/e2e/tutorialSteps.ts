@@ -52,7 +52,7 @@ export async function followTutorial(page: Page, base: string, seen: (step: (typ
   const areola = details(page).locator('[data-side="L"] [data-parameter=areola_mm]');
   await areola.fill("40");
   await areola.press("Tab");
-  await expect(page.getByText(/^The plan is shown on the standing and the supine scan/)).toBeVisible();
+  await expect(page.getByText(/^The plan is shown on the standing and supine scans/)).toBeVisible();
   await expect(details(page)).toContainText("Dashed:");
   await seen("plan");
 

@@ -112,7 +112,7 @@ def test_a_person_signs_in_with_code_pkce_state_and_nonce(browser: FlaskClient, 
     person = browser.get("/api/meta").json["person"]
     assert person.pop("id") == "anna"
     assert person == {"name": "Anna", "role": "plan", "groups": ["north"], "all_groups": [], "idle_minutes": 15}
-    assert b"You are signed in as Anna" in browser.get("/sign-in").data
+    assert b"You are signed in. (Anna" in browser.get("/sign-in").data
 
 
 def test_the_cookie_is_sent_over_tls_alone_where_there_is_tls(browser: FlaskClient) -> None:
