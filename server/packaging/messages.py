@@ -52,6 +52,7 @@ ALL_SAID = ("fitting/verdicts", "fitting/picks", "fitting/hypotheses.py", "fitti
 ALL_SAID += ("drawings/inside", "drawings/handles", "drawings/constructions", "drawings/patterns.py")
 ALL_SAID += ("drawings/on_skin.py", "drawings/plan_on_scan.py", "report/pages", "report/guides", "report/table.py")
 ALL_SAID += ("report/bands.py", "report/measures.py", "report/ptosis.py", "report/symmetry.py", "report/volume.py")
+ALL_SAID += ("report/visits/series.py", "report/visits/symmetry.py")
 ALL_SAID += ("use/folder/one_body.py", "use/folder/whose.py", "use/lines", "use/steps", "colour/features")
 ALL_SAID += (
     "scan/images",

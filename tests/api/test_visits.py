@@ -22,6 +22,15 @@ def test_a_visit_is_said_read_and_taken_back(client: FlaskClient, scan_id: str, 
     assert client.put(place, json={"date": None}).json == unknown
 
 
+def test_the_name_of_a_visit_is_nobodys_sentence_and_stays_as_it_was_typed(
+    client: FlaskClient, scan_id: str, patient: str
+) -> None:
+    german, said = {"Accept-Language": "de"}, {"date": "2026-03-01", "label": "left"}
+    answer = said | {"scan": scan_id}
+    assert client.put(f"/api/scans/{scan_id}/visit", json=said, headers=german).json == answer
+    assert client.get(f"/api/patients/{patient}/visits", headers=german).json == {"scans": [answer]}
+
+
 @pytest.mark.parametrize("day", ["today", "2999-01-01", "2026-02-30"])
 def test_what_is_no_day_is_refused_with_a_sentence(client: FlaskClient, scan_id: str, day: str) -> None:
     answer = client.put(f"/api/scans/{scan_id}/visit", json={"date": day})

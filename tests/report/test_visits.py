@@ -12,8 +12,8 @@ from breastrig.core.errors import BadInput
 from breastrig.geometry.normals import vertex_normals
 from breastrig.report.measures import measures
 from breastrig.report.stance import Stance
-from breastrig.report.visits.alignment import aligned, untouched
-from breastrig.report.visits.change import Change, change_between, on_breasts, visit_calibration
+from breastrig.report.visits.alignment import aligned, on_breasts, untouched
+from breastrig.report.visits.change import Change, change_between, visit_calibration
 from breastrig.report.visits.symmetry import symmetry_rows
 from breastrig.report.volume import enclosed_volume, vertices_within
 from breastrig.rig.model import Rig
@@ -77,7 +77,7 @@ def test_a_bell_on_one_breast_is_measured_in_mm_and_ml(rig: Rig, at_rest: Stance
 
 def test_what_an_operation_moved_does_not_move_the_alignment(rig: Rig, at_rest: Stance) -> None:
     """A fifth of the skin around the breasts is 10 mm farther out, as after an operation of the axilla."""
-    beside = np.flatnonzero(untouched(rig))
+    beside = untouched(rig)
     out = beside[np.argsort(-rig.template[beside, 0])[: len(beside) // 5]]
     vertices = rig.template.copy()
     vertices[out] += 0.01 * vertex_normals(rig.template, rig.faces)[out]
@@ -100,7 +100,7 @@ def test_skin_that_one_scan_does_not_show_has_no_change(rig: Rig, at_rest: Stanc
     later = visit(rig, larger(rig, 0.012))
     right_half = later.scan_faces[(((later.scan_vertices - SHIFT) @ TURN)[later.scan_faces, 0] < 0.0).all(axis=1)]
     found = change_between(at_rest, replace(later, scan_faces=right_half))
-    left = np.flatnonzero(on_breasts(rig) & (rig.template[:, 0] > 0.03))
+    left = on_breasts(rig)[rig.template[on_breasts(rig), 0] > 0.03]
     assert np.isnan(found.along[left]).all()
     assert found.volume("L") is None
     assert gained(found, "R")[0] == pytest.approx(0.0, abs=1.0)

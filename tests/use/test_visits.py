@@ -99,7 +99,7 @@ def test_scans_without_a_day_are_asked_about_and_left_out(case: breastrig.Case) 
     with pytest.raises(BadInput, match="choose two scans of one stance"):
         change_map_of(job, (first, supine), "png")
     with pytest.raises(NotFound, match="Fewer than two standing scans"):
-        visits_svg_of(job, "standing")
+        visits_svg_of(job, "standing", "en")
 
 
 def check_document(found: dict[str, Any]) -> None:
@@ -138,11 +138,9 @@ def test_a_patient_who_did_not_change_has_no_change_through_any_door(
     rows = list(csv.DictReader(io.StringIO((out / "visits.csv").read_text())))
     assert {row["visit"] for row in rows} == {"2026-03-01 before", "2026-09-01 6 months"}
     assert {row["less"] for row in rows} == {"", "2026-03-01 before"}
-    words = [
-        each.text for each in ElementTree.fromstring((out / "visits_standing.svg").read_text()).iter() if each.text
-    ]
-    assert "Volume symmetry (%)" in words
-    assert any("PMC5487698" in word for word in words)
+    words = words_in((out / "visits_standing.svg").read_bytes())
+    assert {"Volume symmetry (%)", "Notch to nipple, straight (mm)", "2026-03-01", "before"} <= words
+    assert any("200 women" in word for word in words)
     assert Image.open(io.BytesIO((out / "change_standing_1.png").read_bytes())).size == (1260, 476)
     document, _ = split_glb((out / "change_standing_1.glb").read_bytes())
     extras = document["asset"]["extras"]
@@ -151,6 +149,19 @@ def test_a_patient_who_did_not_change_has_no_change_through_any_door(
     ply = (out / "change_standing_1.ply").read_bytes()
     assert b"property float change_mm" in ply[:500]
     check_document(dated.visits())
+
+
+def test_plots_speak_german_and_keep_what_a_person_has_typed(dated: breastrig.Case, tmp_path: Path) -> None:
+    assert main(["visits", str(dated.path), "-o", str(tmp_path / "out"), "--language", "de"]) == 0
+    words = words_in((tmp_path / "out" / "visits_standing.svg").read_bytes())
+    assert {"Symmetrie des Volumens (%)", "Jugulum – Mamille, gerade (mm)", "01.03.2026", "before", "L", "R"} <= words
+    assert any(word.startswith("Median 5,9 mm, mittlere Hälfte 4,2 bis 8: 200 Frauen") for word in words)
+    job = visits_job(dated._folder, model_choice(None))
+    assert words_in(visits_svg_of(job, "standing", "de")) == words
+
+
+def words_in(svg: bytes) -> set[str]:
+    return {each.text for each in ElementTree.fromstring(svg).iter() if each.text}
 
 
 def test_days_are_said_on_the_command_line(case: breastrig.Case, capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,9 +16,10 @@ FIELDS = frozenset(  # of answers and events, that hold sentences or labels of o
     {
         "detail", "message", "problem", "reason", "reasons", "says", "doubts", "notes", "notice", "limit",
         "label", "parameters.about", "definition", "not_proposed.*", "unit_reason", "size_doubt", "stance_reason",
-        "stop_reason", "method", "said.*", "choices.text", "clock.text", "radiology.text",
+        "stop_reason", "method", "said.*", "choices.text", "clock.text", "radiology.text", "changes.missing",
     }
 )  # fmt: skip
+TYPED = (".label", "scans.label", "visits.label")  # the name of a visit, as a person has typed it
 NAMES = frozenset(field.partition(".")[0 if field.endswith("*") else 2] or field for field in FIELDS)
 TYPES = ("application/json", "application/problem+json")
 
@@ -48,7 +49,7 @@ def in_language(response: Response) -> Response:
 
 
 def _is_field(holder: str, name: str) -> bool:
-    return not FIELDS.isdisjoint((name, f"{holder}.{name}", f"{holder}.*"))
+    return f"{holder}.{name}" not in TYPED and not FIELDS.isdisjoint((name, f"{holder}.{name}", f"{holder}.*"))
 
 
 def _in_language(response: Response) -> Response:

@@ -10,19 +10,21 @@ import sys
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.options.output_options import add_output_options
+from breastrig.cli.options.output_options import add_language, add_output_options
 from breastrig.use.cases.case import Case
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("case", type=Path, metavar="CASE", help="folder of the case")
+    add_language(parser)
     add_output_options(parser, "DIR", "folder for the results")
 
 
 def run(options: argparse.Namespace) -> int:
     """Writes the files, and says each change of a volume; returns 0."""
     case = Case(options.case)
-    found = case.write_visits(options.output, force=options.force, asked_to_stop=raise_if_asked)
+    language, force = options.language, options.force
+    found = case.write_visits(options.output, language=language, force=force, asked_to_stop=raise_if_asked)
     numbers = {scan.id: number for number, scan in enumerate(case.scans, start=1)}
     for each in found["asked"]:
         print(

@@ -1,6 +1,7 @@
 """A patient's visits over time: made in a process of its own from the newest fit of each scan, remembered in memory."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 from breastrig.execution.pool import TaskQueue
@@ -29,9 +30,10 @@ class Visits:
         """The document breastrig/visits@1.  Raises a BreastRigError with a sentence, NotFound."""
         return self._made(patient_id, "json", visits_json_of)
 
-    def plots(self, patient_id: str, stance: str) -> bytes:
+    def plots(self, patient_id: str, stance: str, language: str) -> bytes:
         """Measures over the visits in one stance, SVG.  Raises likewise."""
-        return self._made(patient_id, f"svg {stance}", partial(visits_svg_of, stance=stance))
+        make = partial(visits_svg_of, stance=stance, language=language)
+        return self._made(patient_id, f"svg {stance} {language}", make)
 
     def change(self, patient_id: str, scans: tuple[str, str], kind: str) -> bytes:
         """The map between two scans, "png", "glb" or "ply".  Raises likewise."""
@@ -43,11 +45,12 @@ class Visits:
 
     def _made(self, patient_id: str, what: str, make: Callable[[VisitsJob], bytes]) -> bytes:
         job = visits_job(self._storage.case(patient_id), self._models.choice)
-        known = tuple((fit.fit.name, fit.date, fit.label, cuts_digest(fit.cuts)) for fit in job.fits)
-        return self._remembered.result((patient_id, what, known, job.same), lambda: self._run(job, make))
-
-    def _run(self, job: VisitsJob, make: Callable[[VisitsJob], bytes]) -> bytes:
         ids = [fit.fit.name for fit in job.fits]
-        failing = explained("This comparison", WALL_S, "fit smaller scans", self._storage, ids)
-        with failing, self._models.of_fits(ids) as model:
-            return self._processes.result(make, (job.with_model(model),), WALL_S)
+
+        def run() -> bytes:
+            failing = explained("This comparison", WALL_S, "fit smaller scans", self._storage, ids)
+            with failing, self._models.of_fits(ids) as model:
+                return self._processes.result(make, (replace(job, model=model),), WALL_S)
+
+        known = tuple((fit.fit.name, fit.date, fit.label, cuts_digest(fit.cuts)) for fit in job.fits)
+        return self._remembered.result((patient_id, what, known, job.same), run)

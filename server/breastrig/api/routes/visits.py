@@ -5,6 +5,7 @@ from flask import Response
 
 from breastrig.api.answers import GLB, JSON, PERSONAL, PNG, bytes_answer, file_of
 from breastrig.api.app_context import app_context
+from breastrig.api.language import current_language, in_language
 from breastrig.api.routes.patients import TAG
 from breastrig.api.wire import visits as wire
 from breastrig.storage.storage import Storage
@@ -57,7 +58,8 @@ def show_plots(patient_id: str, query_data: wire.PlotQuery) -> Response:
 
     With 90 % bands, and published ranges in grey as context.
     """
-    return bytes_answer(app_context().service.visits.plots(patient_id, query_data.stance), SVG, PERSONAL)
+    made = app_context().service.visits.plots(patient_id, query_data.stance, current_language())
+    return in_language(bytes_answer(made, SVG, PERSONAL))
 
 
 @visits.get("/<patient_id>/change.png")

@@ -12,11 +12,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from breastrig.core.arrays import Array, Booleans
+from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BadInput
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
-from breastrig.report.body_frame import NOT_TRUNK
+from breastrig.report.body_frame import trunk
 from breastrig.report.stance import Stance
 from breastrig.rig.model import Rig
 
@@ -44,27 +44,31 @@ class Alignment:
         """(M, 3) m of the later scan, in the earlier one's frame."""
         return np.asarray(points @ self.rotation.T + self.translation)
 
-    def slopes(self, points: Array, directions: Array) -> Array:
-        """(M, 6): how the (M, 3) points move along (M, 3) unit directions with the motion's six numbers."""
-        return np.concatenate([np.cross(points - self.middle, directions), directions], axis=1)
+    def variance(self, points: Array, directions: Array) -> Array:
+        """(M,) m² of the motion's error at (M, 3) m points along (M, 3) unit directions."""
+        slopes = np.concatenate([np.cross(points - self.middle, directions), directions], axis=1)
+        return np.asarray(np.einsum("vi,ij,vj->v", slopes, self.covariance, slopes))
 
 
 @lru_cache(maxsize=8)
-def untouched(rig: Rig) -> Booleans:
-    """(V,) the trunk's vertices around the breasts, read-only."""
-    trunk, breasts = np.ones(len(rig.template), dtype=np.bool_), np.zeros(len(rig.template), dtype=np.bool_)
-    for name, members in rig.regions.items():
-        trunk[members] &= not name.startswith((*NOT_TRUNK, "neck"))
-        breasts[members] |= name.startswith("breast")
-    found = trunk & (cKDTree(rig.template[breasts]).query(rig.template)[0] < NEAR)
-    found.flags.writeable = False
-    return found
+def on_breasts(rig: Rig) -> Integers:
+    """The vertices of the regions of the breasts."""
+    members = [each for name, each in rig.regions.items() if name.startswith("breast")]
+    return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *members]))
+
+
+@lru_cache(maxsize=8)
+def untouched(rig: Rig) -> Integers:
+    """The trunk's vertices around the breasts."""
+    beside = trunk(rig)
+    return beside[cKDTree(rig.template[on_breasts(rig)]).query(rig.template[beside])[0] < NEAR]
 
 
 def aligned(earlier: Stance, later: Stance) -> Alignment:
     """Raises BadInput where the two scans share too little skin beside the breasts."""
-    used = untouched(earlier.rig) & np.isfinite(earlier.distances) & np.isfinite(later.distances)
-    if int(used.sum()) < FEWEST:
+    used = untouched(earlier.rig)
+    used = used[np.isfinite(earlier.distances[used]) & np.isfinite(later.distances[used])]
+    if len(used) < FEWEST:
         raise BadInput("The two scans share too little skin beside the breasts to be laid on each other.")
     normals = vertex_normals(earlier.vertices, earlier.rig.faces)
     return laid(earlier.vertices[used], normals[used], later.vertices[used], later.search)
@@ -75,18 +79,19 @@ def laid(points: Array, normals: Array, theirs: Array, later: ClosestPointSearch
     middle = points.mean(axis=0)
     rotation = Rotation.align_vectors(points - middle, theirs - theirs.mean(axis=0))[0].as_matrix()
     translation = middle - rotation @ theirs.mean(axis=0)
-    tangents = np.linalg.svd(normals[:, None])[2][:, 1:]  # (N, 2, 3)
+    ways = np.linalg.svd(normals[:, None])[2]  # (N, 3, 3): the normal, and two along the skin
+    ways[:, 0] = normals
+    slopes = np.concatenate([np.cross((points - middle)[:, None], ways), ways], axis=2)  # (N, 3, 6)
     for _ in range(ROUNDS):
-        here = later.query((points - translation) @ rotation).points @ rotation.T + translation
-        off = np.einsum("ni,ni->n", here - points, normals)
-        spread = max(OF_MAD * float(np.median(np.abs(off - np.median(off)))), LEAST)
-        weight = np.maximum(1.0 - (off / (TUKEY * spread)) ** 2, 0.0) ** 2
-        rows = np.concatenate([np.cross(points - middle, normals), normals], axis=1) / spread
-        slid = np.einsum("nki,ni->nk", tangents, theirs @ rotation.T + translation - points) / ALONG
-        sideways = np.concatenate([np.cross((points - middle)[:, None], tangents), tangents], axis=2) / ALONG
-        pulls = rows * (off / spread)[:, None] + np.einsum("nkj,nk->nj", sideways, slid)
-        each = weight[:, None] * pulls
-        normal = (weight[:, None] * rows).T @ rows + np.einsum("n,nkj,nkl->jl", weight, sideways, sideways)
+        skin = later.query((points - translation) @ rotation).points @ rotation.T + translation
+        there = theirs @ rotation.T + translation
+        off = np.einsum("nki,nki->nk", np.stack([skin, there, there], axis=1) - points[:, None], ways)
+        spread = max(OF_MAD * float(np.median(np.abs(off[:, 0] - np.median(off[:, 0])))), LEAST)
+        weight = np.maximum(1.0 - (off[:, 0] / (TUKEY * spread)) ** 2, 0.0) ** 2
+        width = np.array([spread, ALONG, ALONG])
+        rows = slopes / width[:, None]
+        each = weight[:, None] * np.einsum("nkj,nk->nj", rows, off / width)
+        normal = np.einsum("n,nkj,nkl->jl", weight, rows, rows)
         step = -np.linalg.solve(normal, each.sum(axis=0))
         turn = Rotation.from_rotvec(step[:3]).as_matrix()
         rotation, translation = turn @ rotation, turn @ (translation - middle) + middle + step[3:]

@@ -18,7 +18,7 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import face_areas, unit_vectors, vertex_normals
 from breastrig.report.stance import Stance
 from breastrig.report.table import Value
-from breastrig.report.visits.alignment import Alignment, aligned
+from breastrig.report.visits.alignment import Alignment, aligned, on_breasts
 from breastrig.report.volume import enclosed_volume, vertices_within
 from breastrig.rig.known import known_part
 from breastrig.rig.model import Rig
@@ -61,23 +61,19 @@ class Change:
     half: Array  # (V,) m, half the 90 % band; within it nothing is said
 
     @property
-    def of_breasts(self) -> Booleans:
-        """(V,) vertices of the breasts."""
-        return on_breasts(self.earlier.rig)
-
-    @property
     def said(self) -> Booleans:
         """(V,) where the change is larger than its band."""
         return np.abs(self.along) > self.half  # nan is not
 
     def volume(self, side: str) -> Value | None:
         """ml that the breast on `side` ("L" or "R") gained; None where both scans show less than half of it."""
-        rig, inside = self.earlier.rig, vertices_within(self.earlier.rig, side)
-        known = None if inside is None else inside & np.isfinite(self.along)
-        calibration = visit_calibration(rig)
-        if inside is None or known is None or calibration is None or known.sum() < SEEN * inside.sum():
+        rig, vertices = self.earlier.rig, self.earlier.vertices
+        inside, calibration = vertices_within(rig, side), visit_calibration(rig)
+        if inside is None or calibration is None:
             return None
-        vertices, place = self.earlier.vertices, np.flatnonzero(known)
+        place = np.flatnonzero(inside & np.isfinite(self.along))
+        if len(place) < SEEN * inside.sum():
+            return None
         nearest = place[cKDTree(vertices[place]).query(vertices[inside])[1]]  # itself, or next to what is hidden
         moved = vertices.copy()
         moved[inside] += self.along[nearest, None] * self.normals[inside]
@@ -94,23 +90,14 @@ def change_between(earlier: Stance, later: Stance) -> Change:
         raise BadInput(f"How sure a change between two visits is was not measured for the model {rig.name}.")
     alignment = aligned(earlier, later)
     normals = vertex_normals(earlier.vertices, rig.faces)
-    members = np.flatnonzero(on_breasts(rig) & np.isfinite(earlier.distances))
+    members = on_breasts(rig)
+    members = members[np.isfinite(earlier.distances[members])]
     way, faces = way_to(earlier.vertices[members], normals[members], later.search, alignment)
     along = np.full(len(normals), np.nan)
     along[members] = np.where(np.isfinite(later.distances)[rig.faces[faces]].all(axis=1), way, np.nan)
-    slopes = alignment.slopes(earlier.vertices, normals)
-    variance = np.einsum("vi,ij,vj->v", slopes, alignment.covariance, slopes)
-    deviation = np.sqrt(alignment.spread**2 + variance)
+    deviation = np.sqrt(alignment.spread**2 + alignment.variance(earlier.vertices, normals))
     half = np.maximum(calibration.points * deviation, calibration.least)
     return Change(earlier, alignment, normals, along, deviation, half)
-
-
-def on_breasts(rig: Rig) -> Booleans:
-    """(V,) vertices of the regions of the breasts."""
-    found = np.zeros(len(rig.template), dtype=np.bool_)
-    for name, members in rig.regions.items():
-        found[members] |= name.startswith("breast")
-    return found
 
 
 def way_to(points: Array, normals: Array, later: ClosestPointSearch, alignment: Alignment) -> tuple[Array, Integers]:

@@ -21,10 +21,12 @@ PLOTTED = (
     ("volume", "volume"), (VOLUME, "ratio"), (SHAPE, "surface"),
     ("notch_nipple", STRAIGHT), ("nipple_fold", ALONG_SKIN), ("nipple_nipple", STRAIGHT),
 )  # fmt: skip
-WHO = "200 women 1 to 6 years after breast-conserving treatment of one side (PMC5487698)"
 PUBLISHED = tuple(  # context, never a verdict; another program measured them, standing
     {"measure": name, "unit": unit, "median": median, "low": low, "high": high, "source": "PMC5487698", "women": 200}
-    | {"said": f"median {median:g} {unit}, middle half {low:g} to {high:g}: {WHO}"}
+    | {
+        "said": f"median {median:g} {unit}, middle half {low:g} to {high:g}: 200 women 1 to 6 years after "
+        "breast-conserving treatment of one side (PMC5487698)"
+    }
     for name, unit, median, low, high in ((VOLUME, "%", 87.0, 78.0, 93.0), (SHAPE, "mm", 5.9, 4.2, 8.0))
 )
 OVER_VISITS = "between the earlier and the later skin, laid on each other by the skin around the breasts"
@@ -40,10 +42,6 @@ class Visit:
     stance: Stance
     verdict: str | None
 
-    @property
-    def said(self) -> str:
-        return f"{self.date}, {self.label}" if self.label else self.date
-
 
 def stance_document(visits: Sequence[Visit]) -> dict[str, Any]:
     """One stance's visits, the earliest first; each later one is compared with the first, and with the one before."""
@@ -58,46 +56,41 @@ def stance_document(visits: Sequence[Visit]) -> dict[str, Any]:
             for each in visits
         ],
         "plotted": [list(key) for key in PLOTTED],
-        "measures": [{"visit": n, **row} for n, own in enumerate(rows) for row in _flat(visits[n].said, own)],
-        "changes": [_compared(visits, rows, *pair) for pair in pairs],
+        "measures": [{"visit": n, **row} for n, own in enumerate(rows) for row in _flat(own)],
+        "changes": [
+            {"earlier": a, "later": b} | _compared((visits[a].stance, visits[b].stance), (rows[a], rows[b]))
+            for a, b in pairs
+        ],
     }
 
 
-def _compared(visits: Sequence[Visit], rows: Sequence[tuple[Row, ...]], a: int, b: int) -> dict[str, Any]:
+def _compared(stances: tuple[Stance, Stance], rows: tuple[Sequence[Row], Sequence[Row]]) -> dict[str, Any]:
+    change, missing = None, ""
     try:
-        change = change_between(visits[a].stance, visits[b].stance)
+        change = change_between(*stances)
     except BadInput as error:
-        change, missing = None, str(error)
-    found: dict[str, Any] = {"earlier": a, "later": b, "map": None if change is None else _map(change)}
-    said = f"{visits[b].said} - {visits[a].said}"
-    found["measures"] = _flat(said, changed_rows(rows[a], rows[b], change), is_change=True)
-    return found if change is not None else found | {"missing": missing}
+        missing = str(error)
+    measured = _flat(changed_rows(*rows, change), is_change=True)
+    return {"map": None if change is None else _map(change), "measures": measured, "missing": missing}
 
 
 def changed_rows(before: Sequence[Row], after: Sequence[Row], change: Change | None) -> list[Row]:
     """Later less earlier, each with its band; volumes by `change`, and none where there is no such."""
-    found = []
+    found, known = [], None if change is None else visit_calibration(change.earlier.rig)
     for row in changes(before, after):
         if row.measure == "volume":
             left, right = (None if change is None else change.volume(side) for side in SIDES)
-            if left is not None or right is not None:
-                found.append(
-                    replace(row, left=left, right=right, method=OVER_VISITS, between=None, vague=(), not_known=())
-                )
-            continue
-        known = None if change is None else visit_calibration(change.earlier.rig)
-        times = known.lengths if known is not None and row.unit == "mm" else 1.0
-        between = None if row.between is None else times * row.between
-        found.append(replace(row.with_values(partial(_wider, times=times)), between=between))
+            row = replace(row, left=left, right=right, method=OVER_VISITS, between=None, vague=(), not_known=())
+        elif known is not None and row.unit == "mm":
+            between = None if row.between is None else known.lengths * row.between
+            row = replace(row.with_values(partial(_wider, times=known.lengths)), between=between)
+        found.append(row)
     return found
 
 
 def _wider(value: Value, times: float) -> Value:
-    if value.low is None or value.high is None:
-        return value
-    return Value(
-        value.value, value.value - times * (value.value - value.low), value.value + times * (value.high - value.value)
-    )
+    half = value.margin
+    return value if half is None else Value(value.value, value.value - times * half, value.value + times * half)
 
 
 def _map(change: Change) -> dict[str, Any]:
@@ -117,7 +110,7 @@ def _map(change: Change) -> dict[str, Any]:
     return found
 
 
-def _flat(name: str, rows: Sequence[Row], *, is_change: bool = False) -> list[dict[str, Any]]:
+def _flat(rows: Sequence[Row], *, is_change: bool = False) -> list[dict[str, Any]]:
     return [
-        {k: v for k, v in row.items() if k not in ("stance", "paths")} for row in flat_rows([(name, rows)], is_change)
+        {k: v for k, v in row.items() if k not in ("stance", "paths")} for row in flat_rows([("", rows)], is_change)
     ]

@@ -28,17 +28,12 @@ def symmetry_rows(stance: Stance, rows: tuple[Row, ...]) -> list[Row]:
 
 
 def _volume(stance: Stance, rows: tuple[Row, ...]) -> list[Row]:
-    row = next((row for row in rows if row.measure == "volume"), None)
-    known = measure_calibration(stance.rig)
-    if (
-        row is None
-        or known is None
-        or row.left is None
-        or row.right is None
-        or min(row.left.value, row.right.value) <= 0
-    ):
+    row, known = next((row for row in rows if row.measure == "volume"), None), measure_calibration(stance.rig)
+    if row is None or known is None or row.left is None or row.right is None:
         return []
     pair = row.left.value, row.right.value
+    if min(pair) <= 0.0:
+        return []
     points = Points((row.left.margin, row.right.margin), known.sides.volume)
     half = ratio_half_width(pair, ((), ()), points, None)
     value = banded(min(pair) / max(pair), half, 0.0, 1.0)

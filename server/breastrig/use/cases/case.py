@@ -28,6 +28,7 @@ from breastrig.core.stances import AUTO, STANCES
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.drawings.patterns import drawing_with
 from breastrig.drawings.plan_schema import PlanLesion, PlanLine, PlanNote, asked_of, checked_plan
+from breastrig.languages.catalogue import Language
 from breastrig.report.pages.printable import check_printable, checked_code
 from breastrig.scan.hand_cuts import read_cuts
 from breastrig.scan.images.added_lesions import TakenLesions
@@ -258,15 +259,16 @@ class Case:
         self,
         folder: str | Path,
         *,
+        language: Language = "en",
         force: bool = False,
         asked_to_stop: Callable[[], None] = lambda: None,
     ) -> dict[str, Any]:
         """Writes `visits` with its table, plots and maps of change, as `breastrig visits` does; the document.
 
-        Raises BadInput.
+        Words in the plots are in the language.  Raises BadInput.
         """
         with one_thread():
-            files = visits_files(visits_job(self._folder, model_choice(None)))
+            files = visits_files(visits_job(self._folder, model_choice(None)), language)
             output = OutputSet(Path(), tuple(files), VISITS_RECORD, VISITS_SCHEMA, varying=True)
             with all_or_nothing(Output(Path(folder), (output,), (), force, asked_to_stop)) as staging:
                 write_files(files, staging)

@@ -1,8 +1,10 @@
 """The visits of a case: the day of each scan as a person has said it, and what the dated scans say over time."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import date, timedelta
 from itertools import combinations
+from pathlib import Path
 
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.fits import fits_of_scan
@@ -34,11 +36,10 @@ def visit_of(case: CaseFolder, scan_id: str) -> ScanVisit:
 def say_visit(case: CaseFolder, scan_id: str, day: str | None, label: str = "") -> ScanVisit:
     """Stores the day (ISO 8601; None: not known) and the label of a scan's visit.  Raises NotFound, BadInput."""
     if day is not None:
-        try:
+        said = None
+        with suppress(ValueError):
             said = date.fromisoformat(day)
-        except ValueError as error:
-            raise BadInput(f"{day[:20]} is no day; write it as year-month-day, such as 2026-11-29.") from error
-        if said.isoformat() != day or said.year < 1900:
+        if said is None or said.isoformat() != day or said.year < 1900:
             raise BadInput(f"{day[:20]} is no day; write it as year-month-day, such as 2026-11-29.")
         if said > wall_clock.now().date() + timedelta(days=1):
             raise BadInput(f"{day} is in the future; a visit is the day on which the scan was taken.")
@@ -55,18 +56,16 @@ def visits_job(case: CaseFolder, choice: ModelChoice) -> VisitsJob:
 
     Scans for other models than the first one's are left out.
     """
-    found, models = list[DatedFit](), dict[str, str]()
+    found = list[tuple[Path | None, DatedFit]]()
     for scan in case.scans():
-        done = [
-            fit for fit in fits_of_scan(case, scan.id) if fit.state == "done" and fit.document.predicted_from is None
-        ]
+        done = [each for each in fits_of_scan(case, scan.id) if each.state == "done"]
+        done = [each for each in done if each.document.predicted_from is None]
         if done and (stance := (done[-1].last or {}).get("result", {}).get("stance")):
-            visit, cuts = visit_of(case, scan.id), tuple(get_cuts(case, scan.id))
-            found.append(
-                DatedFit(scan.id, case.path / fit_part(scan.id, done[-1].id), stance, visit.date, visit.label, cuts)
-            )
-            models[scan.id] = str(choice.of(scan.document.facts))
-    same = {pair for pair in combinations(sorted(models), 2) if pair[1] in said_same(case, pair[0])}
-    first = models[found[0].scan] if found else ""
-    fits = tuple(fit for fit in found if models[fit.scan] == first)
-    return VisitsJob(fits, frozenset(same), choice.of(case.scan(fits[0].scan).facts) if fits else None)
+            folder, visit = case.path / fit_part(scan.id, done[-1].id), visit_of(case, scan.id)
+            cuts = tuple(get_cuts(case, scan.id))
+            fit = DatedFit(scan.id, folder, stance, visit.date, visit.label, cuts)
+            found.append((choice.of(scan.document.facts), fit))
+    model = found[0][0] if found else None
+    fits = tuple(fit for its, fit in found if its == model)
+    pairs = combinations(sorted(fit.scan for fit in fits), 2)
+    return VisitsJob(fits, frozenset(pair for pair in pairs if pair[1] in said_same(case, pair[0])), model)

@@ -1,6 +1,7 @@
 """What the dated scans of one patient say over time: the document, its table, plots and maps of change."""
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,21 +11,18 @@ from breastrig.core.errors import BadInput, NotFound
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
 from breastrig.gltf.read_rig import default_rig_path, read_rig
+from breastrig.languages.catalogue import ENGLISH
+from breastrig.report.table import COLUMNS
 from breastrig.report.visits.change import Change, change_between
 from breastrig.report.visits.map import change_glb, change_ply, change_png
 from breastrig.report.visits.plot import visits_svg
 from breastrig.report.visits.series import PUBLISHED, Visit, stance_document
-from breastrig.rig.model import Rig
 from breastrig.use.folder.fit_folder import FitFolder, fit_folder_of, still_visible
 from breastrig.use.folder.one_body import doubts_between
 from breastrig.use.reports.report import stance_of
 
 SCHEMA = "breastrig/visits@1"
 RECORD = "visits.json"
-COLUMNS = (
-    "stance", "visit", "less", "measure", "kind", "unit", "left", "left_low", "left_high",
-    "right", "right_low", "right_high", "value", "value_low", "value_high", "not_seen", "not_known", "vague", "method",
-)  # fmt: skip
 MAPS: dict[str, Callable[[Change], bytes]] = {"png": change_png, "glb": change_glb, "ply": change_ply}
 
 
@@ -48,46 +46,25 @@ class VisitsJob:
     same: frozenset[tuple[str, str]] = frozenset()  # pairs of scans that a person has said to be of one patient
     model: Path | None = None  # None: the torso of the package
 
-    def with_model(self, model: Path | None) -> "VisitsJob":
-        """The same with the rig that the fits were made with."""
-        return replace(self, model=model)
-
-    def dated(self, stance: str) -> list[DatedFit]:
+    def dated(self, stance: str) -> tuple[DatedFit, ...]:
         """Those of a stance with a date, the earliest first."""
-        return sorted((f for f in self.fits if f.stance == stance and f.date), key=lambda fit: fit.date or "")
-
-    @property
-    def stances(self) -> list[str]:
-        """Stances in which two scans or more have a date."""
-        return [name for name in dict.fromkeys(fit.stance for fit in self.fits) if len(self.dated(name)) > 1]
-
-    @property
-    def asked(self) -> list[DatedFit]:
-        """Fits without a date, of whose stance there is another scan: what is to be asked."""
-        count = {name: sum(fit.stance == name for fit in self.fits) for name in {fit.stance for fit in self.fits}}
-        return [fit for fit in self.fits if fit.date is None and count[fit.stance] > 1]
+        return tuple(sorted((f for f in self.fits if f.stance == stance and f.date), key=lambda fit: fit.date or ""))
 
 
-def visits_document(job: VisitsJob, rig: Rig | None = None) -> dict[str, Any]:
+def visits_document(job: VisitsJob) -> dict[str, Any]:
     """The document breastrig/visits@1; stances with fewer than two dates are left out.  Raises BadInput."""
-    known = _Fits(job, rig)
-    stances = []
-    for name in job.stances:
-        fits = job.dated(name)
-        found = stance_document([known.visit(fit) for fit in fits])
+    stances, count = [], Counter(fit.stance for fit in job.fits)
+    for fits in filter(lambda fits: len(fits) > 1, map(job.dated, count)):
+        folders, visits = zip(*_read(job, fits), strict=True)
+        found = stance_document(visits)
         for change in found["changes"]:
-            a, b = (fits[change[which]] for which in ("earlier", "later"))
-            said = tuple(sorted((a.scan, b.scan))) in job.same
-            change["doubts"] = doubts_between(known.folder(a), known.folder(b), said)
+            a, b = change["earlier"], change["later"]
+            said = tuple(sorted((fits[a].scan, fits[b].scan))) in job.same
+            change["doubts"] = doubts_between(folders[a], folders[b], said)
         stances.append(found)
-    return {
-        "schema": SCHEMA,
-        "notice": LIMITS_OF_USE,
-        "breastrig": __version__,
-        "published": list(PUBLISHED),
-        "asked": [{"scan": fit.scan, "stance": fit.stance} for fit in job.asked],
-        "stances": stances,
-    }
+    asked = [{"scan": f.scan, "stance": f.stance} for f in job.fits if f.date is None and count[f.stance] > 1]
+    about = {"schema": SCHEMA, "notice": LIMITS_OF_USE, "breastrig": __version__, "published": list(PUBLISHED)}
+    return about | {"asked": asked, "stances": stances}
 
 
 def visits_json_of(job: VisitsJob) -> bytes:
@@ -95,41 +72,47 @@ def visits_json_of(job: VisitsJob) -> bytes:
     return json_bytes(visits_document(job))
 
 
-def visits_svg_of(job: VisitsJob, stance: str) -> bytes:
+def visits_svg_of(job: VisitsJob, stance: str, language: str) -> bytes:
     """The plots of one stance.  Raises NotFound where fewer than two of its scans have a date."""
-    document = visits_document(replace(job, fits=tuple(job.dated(stance))))
-    return _svg(document, stance)
+    found = visits_document(replace(job, fits=job.dated(stance)))["stances"]
+    if not found:
+        raise NotFound(f"Fewer than two {stance} scans of this patient have a fit and the day of their visit.")
+    return visits_svg(found[0], PUBLISHED, language)
 
 
-def change_map_of(job: VisitsJob, scans: tuple[str, str], kind: str, rig: Rig | None = None) -> bytes:
+def change_map_of(job: VisitsJob, scans: tuple[str, str], kind: str) -> bytes:
     """The map of two scans in one stance, "png", "glb" or "ply", on the one of the earlier visit.
 
     Raises NotFound for a scan without fit, BadInput where a date is missing or the stances differ.
     """
-    fits = [next((fit for fit in job.fits if fit.scan == scan), None) for scan in scans]
-    a, b = fits
-    if a is None or b is None:
+    fits = [fit for scan in scans for fit in job.fits if fit.scan == scan]
+    if len(fits) < len(scans):
         raise NotFound("This scan has no fit that is done; fit it first.")
+    a, b = fits
     if a.stance != b.stance:
         raise BadInput(f"One scan is {a.stance}, the other {b.stance}: choose two scans of one stance.")
     if a.date is None or b.date is None:
         raise BadInput("When the visits of both scans were is not known: say the day of each first.")
-    earlier, later = sorted((a, b), key=lambda fit: fit.date or "")
-    known = _Fits(job, rig)
-    return MAPS[kind](change_between(known.visit(earlier).stance, known.visit(later).stance))
+    return MAPS[kind](_change(replace(job, fits=(a, b))))
 
 
-def visits_files(job: VisitsJob, rig: Rig | None = None) -> dict[str, bytes]:
-    """visits.json and visits.csv, and of each stance its plots and the maps against its first visit."""
-    document = visits_document(job, rig)
+def _change(job: VisitsJob) -> Change:
+    """Between the job's two fits, which are dated and in one stance."""
+    (_, earlier), (_, later) = _read(job, job.dated(job.fits[0].stance))
+    return change_between(earlier.stance, later.stance)
+
+
+def visits_files(job: VisitsJob, language: str = ENGLISH) -> dict[str, bytes]:
+    """visits.json and visits.csv, and of each stance its plots in the language, and its maps of change."""
+    document = visits_document(job)
     files = {RECORD: json_bytes(document), "visits.csv": visits_csv(document)}
     for stance in document["stances"]:
-        name, visits = stance["stance"], stance["visits"]
-        files[f"visits_{name}.svg"] = _svg(document, name)
-        for n, change in ((n, change) for n, change in enumerate(stance["changes"], 1) if change["map"] is not None):
-            pair = tuple(visits[change[which]]["scan"] for which in ("earlier", "later"))
-            for kind in MAPS:
-                files[f"change_{name}_{n}.{kind}"] = change_map_of(job, pair, kind, rig)
+        name, fits = stance["stance"], job.dated(stance["stance"])
+        files[f"visits_{name}.svg"] = visits_svg(stance, PUBLISHED, language)
+        for n, change in enumerate(stance["changes"], 1):
+            if change["map"] is not None:
+                found = _change(replace(job, fits=(fits[change["earlier"]], fits[change["later"]])))
+                files |= {f"change_{name}_{n}.{kind}": made(found) for kind, made in MAPS.items()}
     return files
 
 
@@ -143,30 +126,13 @@ def visits_csv(document: dict[str, Any]) -> bytes:
         for change in stance["changes"]:
             between = {"visit": named[change["later"]], "less": named[change["earlier"]]}
             rows += [own | row | between for row in change["measures"]]
-    return csv_table(COLUMNS, rows)
+    return csv_table(("visit", "less", *COLUMNS), rows)
 
 
-def _svg(document: dict[str, Any], stance: str) -> bytes:
-    found = next((each for each in document["stances"] if each["stance"] == stance), None)
-    if found is None:
-        raise NotFound(f"Fewer than two {stance} scans of this patient have a fit and the day of their visit.")
-    return visits_svg(found, document["published"])
-
-
-class _Fits:
-    """The job's fits, each read once."""
-
-    def __init__(self, job: VisitsJob, rig: Rig | None) -> None:
-        self._rig = rig or read_rig(job.model or default_rig_path())
-        self._read: dict[str, FitFolder] = {}
-
-    def folder(self, fit: DatedFit) -> FitFolder:
-        """As far as its scan is still shown."""
-        if fit.scan not in self._read:
-            self._read[fit.scan] = still_visible(fit_folder_of(fit.fit, self._rig), fit.cuts)
-        return self._read[fit.scan]
-
-    def visit(self, fit: DatedFit) -> Visit:
-        """With its measures to be taken; its date is known."""
-        folder, verdict = self.folder(fit), self.folder(fit).result.verdict
-        return Visit(fit.scan, fit.date or "", fit.label, stance_of(folder), verdict.level if verdict else None)
+def _read(job: VisitsJob, fits: Sequence[DatedFit]) -> Iterator[tuple[FitFolder, Visit]]:
+    """Each fit as far as its scan is still shown, and its visit; its date is known."""
+    rig = read_rig(job.model or default_rig_path())
+    for fit in fits:
+        folder = still_visible(fit_folder_of(fit.fit, rig), fit.cuts)
+        verdict = folder.result.verdict
+        yield folder, Visit(fit.scan, fit.date or "", fit.label, stance_of(folder), verdict.level if verdict else None)
