@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from sheets import contact_sheet, save_png
 from steps.source import Source, fetch, read_source
 from steps.subdivide import subdivide
 from virtual_patient.body import BOX, Body, Turns, upper_body
@@ -30,7 +31,7 @@ from virtual_patient.women import WOMEN
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png
+from breastrig.rendering.picture import Layer, Line, Scene, camera
 
 HERE = Path(__file__).resolve().parent
 Array = np.ndarray

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
+from sheets import contact_sheet, save_png
 from steps.source import fetch, read_source
 from virtual_patient.body import Body, Turns, virtual_patient
 from virtual_patient.lie_down import lie_down
@@ -27,7 +28,7 @@ from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.normals import vertex_normals
 from breastrig.geometry.rotations import exp_so3
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.rendering.picture import Layer, Line, Scene, camera, contact_sheet, save_png
+from breastrig.rendering.picture import Layer, Line, Scene, camera
 from breastrig_studies.virtual.depth_camera import DepthCamera, View, look_at, take
 from breastrig_studies.virtual.depth_fusion import fuse, without_small_pieces
 

@@ -18,6 +18,7 @@ import nibabel
 import numpy as np
 from make_example import BEHIND, CAMERA, HERE, SEED, Stance, both_stances, write_json
 from scipy.spatial import cKDTree
+from sheets import contact_sheet, save_png
 from steps.source import fetch, read_source
 from virtual_patient.body import Body, virtual_patient
 from virtual_patient.hanging import hanging
@@ -25,7 +26,7 @@ from virtual_patient.hanging import hanging
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.rays import RayCaster
-from breastrig.rendering.picture import Layer, Scene, camera, contact_sheet, save_png
+from breastrig.rendering.picture import Layer, Scene, camera
 from breastrig_studies.virtual.bodies import VirtualBody
 from breastrig_studies.virtual.depth_camera import take
 from breastrig_studies.virtual.depth_fusion import fuse, without_small_pieces

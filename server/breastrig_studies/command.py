@@ -11,8 +11,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.options.output_options import add_output_options, files_of_model, output_folder
-from breastrig.core.assets import model_path
+from breastrig.cli.options.output_options import add_model, add_output_options, output_folder
 from breastrig.core.errors import BadInput
 from breastrig.core.output_files import Output, OutputSet, all_or_nothing, check_output
 from breastrig.core.private_files import private_folder
@@ -82,7 +81,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="default, paper, or a TOML file; may be given several times, the first one is studied (default, paper)",
     )
-    parser.add_argument("--model", type=model_path, metavar="MODEL", help="another rig of the same form")
+    add_model(parser, "another rig of the same form")
     parser.add_argument("--quick", action="store_true", help="Table 1 and the study of the landmarks only")
     parser.add_argument(
         "--rotations",
@@ -232,7 +231,7 @@ def _output(options: argparse.Namespace, plan: Plan | None) -> Output:
     files = OutputSet(Path(), possible_files(folder), RECORD, SCHEMA, varying=True)
     read: list[Path] = [] if plan is None else [case.folder / name for case in plan.cases for name in FILES]
     presets = [Path(name) for name in options.preset or () if name.endswith(".toml")]
-    return output_folder(options, [files], [*read, *presets, *files_of_model(options.model)])
+    return output_folder(options, files, also_read=[*read, *presets])
 
 
 def run(options: argparse.Namespace) -> int:

@@ -30,7 +30,14 @@ PYDANTIC = [text.replace("{expected_plural}", end) for text in TEMPLATES for end
 # The command line, what starts a service and owners of rigs are addressed in English; `index` has SQL.
 ENGLISH_ONLY = ("cli", "batch", "execution", "index", "languages", "__main__.py", "__init__.py", "api/settings.py")
 ENGLISH_ONLY += ("api/config.py", "api/web_server.py", "api/metrics.py", "api/openapi.py", "api/trusted_proxy.py")
-ENGLISH_ONLY += ("api/routes/docs.py", "rig", "gltf/read_rig.py", "gltf/side_file.py", "storage/data_folder.py")
+ENGLISH_ONLY += (
+    "api/routes/docs.py",
+    "core/settings_file.py",
+    "rig",
+    "gltf/read_rig.py",
+    "gltf/side_file.py",
+    "storage/data_folder.py",
+)
 ENGLISH_ONLY += (
     "core/output_files.py",
     "core/private_files.py",
@@ -39,6 +46,7 @@ ENGLISH_ONLY += (
     "least_squares/problem.py",
 )
 ENGLISH_ONLY += (
+    "core/settings_file.py",
     "gltf/skinned.py",
     "api/people/people.py",
     "least_squares/problem.py",

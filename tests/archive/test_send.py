@@ -227,7 +227,7 @@ def test_stow_goes_nowhere_else_and_carries_its_authorization_over_https_alone(
         ('[pacs]\nstow = "file:///etc"', "stow is http"),
         ('[pacs]\ndicom = "A@b:104"\nobjects = ["model"]', "objects.0: Input should be 'report'"),
         ('[pacs]\ndicom = "A@b:104"\npassword = "x"', "password: Extra inputs"),
-        ("[pacs", "cannot be read as TOML"),
+        ("[pacs", "is not TOML; write a table"),
     ],
 )
 def test_a_wrong_file_of_archives_is_refused(text: str, said: str, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 from pyrage import passphrase as other
 
 from breastrig.backup import age
-from breastrig.backup.age import CHANGED, CHUNK, CUT, NO_BACKUP, WRONG, SealedReader, SealedWriter
+from breastrig.backup.age import CHUNK, DAMAGED, NO_BACKUP, WRONG, SealedReader, SealedWriter
 from breastrig.core.errors import BadInput
 
 WORDS = "correct horse battery staple"
@@ -55,14 +55,14 @@ def flipped(content: bytes, place: int) -> bytes:
 @pytest.mark.parametrize(
     ("damage", "said"),
     [
-        (lambda whole: whole[:100], CUT),
-        (lambda whole: whole[: -CHUNK // 2], CHANGED),  # a part of a chunk may be either
-        (lambda whole: whole[: whole.index(b"---") + 48 + 16 + 2 * (CHUNK + 16)], CUT),
+        (lambda whole: whole[:100], DAMAGED),
+        (lambda whole: whole[: -CHUNK // 2], DAMAGED),
+        (lambda whole: whole[: whole.index(b"---") + 48 + 16 + 2 * (CHUNK + 16)], DAMAGED),
         (lambda whole: whole[:32] + b"AAAA" + whole[36:], WRONG),  # the salt: as good as another passphrase
-        (lambda whole: flipped(whole, whole.index(b"---") + 10), CHANGED),
-        (lambda whole: flipped(whole, len(whole) - 5), CHANGED),
-        (lambda whole: flipped(whole, 70_000), CHANGED),
-        (lambda whole: whole + b"x", CHANGED),
+        (lambda whole: flipped(whole, whole.index(b"---") + 10), DAMAGED),
+        (lambda whole: flipped(whole, len(whole) - 5), DAMAGED),
+        (lambda whole: flipped(whole, 70_000), DAMAGED),
+        (lambda whole: whole + b"x", DAMAGED),
         (lambda _whole: b"PK\3\4" + bytes(500), NO_BACKUP),
         (lambda _whole: b"", NO_BACKUP),
     ],
@@ -71,7 +71,7 @@ def test_damage_is_said(damage: Callable[[bytes], bytes], said: str) -> None:
     whole = sealed(random.Random(2).randbytes(3 * CHUNK + 100))
     with pytest.raises(BadInput) as error:
         opened(damage(whole))
-    assert str(error.value) in ((said, CUT) if said == CHANGED else (said,))
+    assert str(error.value) in ((said, DAMAGED) if said == DAMAGED else (said,))
 
 
 def test_a_wrong_passphrase_is_said() -> None:

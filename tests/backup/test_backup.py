@@ -205,7 +205,7 @@ def test_damage_and_wrong_words_leave_nothing_and_say_why(
     assert main(["backup", str(file), str(data)]) == 0
     whole = file.read_bytes()
     for content, said in (
-        (whole[:70_000] + bytes([whole[70_000] ^ 1]) + whole[70_001:], "The backup was changed"),
+        (whole[:70_000] + bytes([whole[70_000] ^ 1]) + whole[70_001:], "The backup ends too early, or bytes"),
         (whole[: len(whole) // 2], "The backup"),
         (b"PK" + whole, "no backup of BreastRig"),
     ):

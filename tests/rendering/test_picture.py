@@ -4,7 +4,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from PIL import Image
 
 from breastrig.core.errors import BadSettings
 from breastrig.geometry.rays import HAVE_EMBREE
@@ -13,10 +12,8 @@ from breastrig.rendering.picture import (
     Layer,
     Line,
     camera,
-    contact_sheet,
     diverging_colours,
     render,
-    save_png,
 )
 
 pytestmark = pytest.mark.skipif(not HAVE_EMBREE, reason="embreex has no wheel for this platform")
@@ -58,9 +55,9 @@ def test_a_turned_body_looks_the_same_in_its_own_frame() -> None:
     vertices, faces = box((0.1, 0.02, 0.0))
     turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
-    straight = render([Layer(vertices, faces, smooth=False)], camera("three_quarter", vertices), SMALL)
+    straight = render([Layer(vertices, faces)], camera("three_quarter", vertices), SMALL)
     turned = vertices @ turn.T
-    again = render([Layer(turned, faces, smooth=False)], camera("three_quarter", turned, frame=turn), SMALL)
+    again = render([Layer(turned, faces)], camera("three_quarter", turned, frame=turn), SMALL)
     assert np.abs(straight.astype(int) - again).mean() < 0.5
 
 
@@ -106,13 +103,6 @@ def test_the_inside_of_an_open_surface_is_distinguished_from_the_outside() -> No
     assert abs(int(inside[50, 10, 0]) - int(inside[50, 10, 2])) < 40
 
 
-def test_edges_are_drawn_when_they_are_asked_for() -> None:
-    sheet = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
-    faces = np.array([[0, 1, 2], [1, 3, 2]])
-    wired = render([Layer(sheet, faces, BLUE, wire=(1.0, 1.0, 1.0))], camera("front", sheet), SMALL)
-    assert wired[31, 31, 0] > wired[20, 44, 0] + 60
-
-
 def test_an_unknown_view_names_the_known_ones() -> None:
     with pytest.raises(BadSettings, match="three_quarter"):
         camera("frontal", np.zeros((1, 3)))
@@ -135,13 +125,3 @@ def test_the_page_colours_the_same_distances_in_the_same_way() -> None:
     shared = json.loads((CHECKOUT / "web/test/fit/distance_colours.json").read_text())["srgb_by_mm"]
     values = np.array([float(mm) for mm in shared])
     np.testing.assert_allclose(255.0 * diverging_colours(values), list(shared.values()), atol=0.51)  # whole numbers
-
-
-def test_pictures_are_saved_and_laid_side_by_side(tmp_path: Path) -> None:
-    pictures = [np.full((20, 30, 3), value, dtype=np.uint8) for value in (10, 120, 240)]
-    sheet = contact_sheet(pictures, columns=2, labels=("", "b"))
-    assert sheet.shape == (40, 60, 3)
-    assert list(sheet[[5, 35, 35], [5, 5, 55], 0]) == [10, 240, 255]
-    save_png(sheet, tmp_path / "sheet.png")
-    with Image.open(tmp_path / "sheet.png") as image:
-        assert image.size == (60, 40)

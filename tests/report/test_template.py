@@ -18,6 +18,7 @@ from breastrig.geometry.polyline import Polyline, length, point_along
 from breastrig.report.guides import template as module
 from breastrig.report.guides import template_pdf as pages
 from breastrig.report.guides.template import Piece, template
+from breastrig.report.pages.typeset import typeset
 from breastrig.report.stance import Stance, places
 from breastrig.rig.model import Rig
 
@@ -95,7 +96,7 @@ def test_the_printed_page_is_in_true_size(piece: Piece) -> None:
     expected = 1e3 * np.linalg.norm(piece.lines[0].points - piece.holes[1].at, axis=1)
     np.testing.assert_allclose(np.linalg.norm(np.array(drawn) - notch, axis=1), expected, atol=0.02)
     per_mm = 4.0
-    sheets = pages._set([piece], "supine", identity, (), format="png", ppi=25.4 * per_mm)
+    sheets = typeset("guides", "template.typ", content, format="png", ppi=25.4 * per_mm)
     image = np.asarray(Image.open(io.BytesIO(sheets[0])).convert("L")) < 100
     assert image.shape == ((297 * per_mm, 210 * per_mm) if not shown["lying"] else (210 * per_mm, 297 * per_mm))
     for bars in (image, image.T):

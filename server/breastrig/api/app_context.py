@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from flask import Response, current_app
+from werkzeug.local import LocalProxy
 
 from breastrig.api.access.provider import Provider
 from breastrig.api.access.rate_limits import RateLimits
@@ -19,6 +20,7 @@ from breastrig.service.kept_models import KeptModels
 from breastrig.service.service import Service
 from breastrig.storage.documents.scans import are_kept
 from breastrig.storage.files import OpenedFile
+from breastrig.storage.storage import Storage
 
 KEY = "breastrig"
 
@@ -71,3 +73,9 @@ def app_context() -> AppContext:
     found = current_app.extensions[KEY]
     assert isinstance(found, AppContext)
     return found
+
+
+# Of the current request, as Flask's own; what goes on after it, a stream, takes them from its context.
+config: Config = LocalProxy(lambda: app_context().config)  # type: ignore[assignment]
+service: Service = LocalProxy(lambda: app_context().service)  # type: ignore[assignment]
+storage: Storage = LocalProxy(lambda: app_context().service.storage)  # type: ignore[assignment]

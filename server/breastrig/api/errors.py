@@ -67,7 +67,12 @@ def problem(
     question: dict[str, Any] | None = None,
 ) -> Response:
     """One problem-details answer; `detail` is one sentence."""
-    body: dict[str, Any] = {"type": "about:blank", "title": _title(status), "status": status, "detail": detail}
+    body: dict[str, Any] = {
+        "type": "about:blank",
+        "title": HTTPStatus(status).phrase,
+        "status": status,
+        "detail": detail,
+    }
     if fields:
         body["errors"] = fields
     if question:
@@ -92,13 +97,6 @@ def register_errors(app: APIFlask, storage: Storage) -> None:
     app.register_error_handler(RecursionError, _too_deep)
     app.register_error_handler(sqlite3.Error, in_trouble)
     app.register_error_handler(OSError, _disk_trouble)
-
-
-def _title(status: int) -> str:
-    try:
-        return HTTPStatus(status).phrase
-    except ValueError:
-        return "Error"
 
 
 def _breastrig_error(error: errors.BreastRigError) -> Response:
@@ -138,18 +136,20 @@ def _index_trouble(storage: Storage, error: sqlite3.Error) -> Response:
     if storage.is_disk_full(error) and shutil.disk_usage(storage.root).free < NO_ROOM_BYTES:
         return _disk_is_full()
     log.error("the index cannot be used: %s", error)
-    detail = "The service cannot store anything at the moment; its disk may be full. Try again later."
-    return problem(503, detail, headers={"Retry-After": "10"})
+    return _later("The service cannot store anything at the moment; its disk may be full. Try again later.")
 
 
 def _disk_trouble(error: OSError) -> Response:
     if error.errno == errno.EIO:
         log.error("files cannot be reached: %s", error.strerror)
-        detail = "The service cannot reach its files at the moment; try again later."
-        return problem(503, detail, headers={"Retry-After": "10"})
+        return _later("The service cannot reach its files at the moment; try again later.")
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         raise error
     return _disk_is_full()
+
+
+def _later(detail: str) -> Response:
+    return problem(503, detail, headers={"Retry-After": "10"})
 
 
 def _disk_is_full() -> Response:

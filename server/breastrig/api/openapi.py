@@ -7,6 +7,7 @@
 """
 
 import json
+import re
 from typing import Any
 
 from breastrig.api.access.session import COOKIE
@@ -15,19 +16,18 @@ from breastrig.core.notice import LIMITS_OF_USE
 
 SESSION = "set by the page /sign-in and by /?token=...; its name ends with _PORT where the address has a port"
 REFERENCE = "#/components/schemas/"
+LONG_NAME = re.compile(rf'"{REFERENCE}[^"]*\.([^".]+)"')
 ERROR_STATUS = range(400, 600)
 
 
 def finish_document(document: dict[str, Any]) -> dict[str, Any]:
     """The published document."""
-    schemas = document["components"]["schemas"]
-    document["components"]["schemas"] = _named_once(schemas)
-    document = _renamed(document)
-    schemas = document["components"]["schemas"]
+    document = json.loads(LONG_NAME.sub(rf'"{REFERENCE}\1"', json.dumps(document)))
+    schemas = _named_once(document["components"]["schemas"])
     for unwanted in ("HTTPError", "ValidationError"):
         schemas.pop(unwanted, None)
     schemas["Problem"] = wire.Problem.model_json_schema(ref_template=REFERENCE + "{model}")
-    schemas.update(_renamed(schemas["Problem"].pop("$defs", {})))
+    schemas.update(schemas["Problem"].pop("$defs", {}))
     for part in (*schemas.values(), document["paths"]):
         _drop_null_defaults(part)
     for methods in document["paths"].values():
@@ -57,29 +57,9 @@ def _named_once(schemas: dict[str, Any]) -> dict[str, Any]:
     result: dict[str, Any] = {}
     for name, schema in schemas.items():
         short = name.rsplit(".", 1)[-1]
-        plain = _renamed(schema)
-        if result.setdefault(short, plain) != plain:
+        if result.setdefault(short, schema) != schema:
             raise ValueError(f"two different models are called {short}")
     return result
-
-
-def _renamed(node: Any) -> Any:
-    """The document with short names in its references."""
-    if isinstance(node, dict):
-        return {key: _short(value) if key == "$ref" else _renamed_value(key, value) for key, value in node.items()}
-    if isinstance(node, list):
-        return [_renamed(item) for item in node]
-    return node
-
-
-def _renamed_value(key: str, value: Any) -> Any:
-    if key == "mapping" and isinstance(value, dict):  # of a discriminator: plain reference strings
-        return {name: _short(reference) for name, reference in value.items()}
-    return _renamed(value)
-
-
-def _short(reference: str) -> str:
-    return REFERENCE + reference.rsplit("/", 1)[-1].rsplit(".", 1)[-1]
 
 
 def _drop_null_defaults(node: Any) -> None:

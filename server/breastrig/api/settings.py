@@ -6,7 +6,6 @@ token is no setting of the file: it comes from the environment or from a file of
 
 import os
 import re
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from breastrig.api.config import TOKEN_VARIABLE
 from breastrig.api.trusted_proxy import read_trusted_proxy
 from breastrig.core.assets import packaged_models
 from breastrig.core.errors import BadSettings, unknown_name
+from breastrig.core.settings_file import read_toml
 from breastrig.execution.limits import FitLimits
 from breastrig.service.sweep import KEEP_DAYS
 from breastrig.storage.storage import default_data_folder
@@ -51,10 +51,16 @@ class ResolvedSetting:
     shown: str
 
 
-def read_port(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) < 65536):
-        raise ValueError("is not a port; use a number from 0 to 65535")
-    return int(text)
+def whole_number(what: str, low: int, high: int) -> Callable[[str], int]:
+    def read(text: str) -> int:
+        if not (text.isascii() and text.isdigit() and low <= int(text) <= high):
+            raise ValueError(f"is not a {what}; use a number from {low} to {high}")
+        return int(text)
+
+    return read
+
+
+read_count = whole_number("count", 1, 10_000)
 
 
 def read_days(text: str) -> float:
@@ -75,12 +81,6 @@ def read_keep_days(text: str) -> float | None:
     if value == 0.0:
         raise ValueError("days would delete each scan at once; use a longer time, or forever")
     return value
-
-
-def read_count(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 10_000):
-        raise ValueError("is not a count; use a number from 1 to 10000")
-    return int(text)
 
 
 def read_public_hosts(text: str) -> tuple[str, ...]:
@@ -135,7 +135,7 @@ SETTINGS: dict[str, Setting] = {
         f"address to listen on (default 127.0.0.1); any but this machine's own needs {TOKEN_VARIABLE} or --token-file",
         lambda: "127.0.0.1",
     ),
-    "port": Setting(read_port, "port to listen on (default 8321; 0: a free one)", lambda: 8321),
+    "port": Setting(whole_number("port", 0, 65535), "port to listen on (default 8321; 0: a free one)", lambda: 8321),
     "data": Setting(read_folder, f"where scans and fits are kept (default {SHOWN_DATA})", default_data_folder, "DIR"),
     "scheduler": Setting(
         read_scheduler,
@@ -249,13 +249,7 @@ def effective_settings(
 
 
 def _read_file(file: Path) -> dict[str, Any]:
-    try:
-        with file.open("rb") as source:
-            document = tomllib.load(source)
-    except OSError as error:
-        raise BadSettings(f"The settings file {file} cannot be read ({error.strerror}).") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise BadSettings(f"The settings file {file} is not TOML; write lines such as: port = 8321.") from error
+    document = read_toml(file, "settings", "write lines such as: port = 8321")
     for name in document:
         if name == "token":
             raise BadSettings(f"The token does not belong into {file}; name its own file there with token_file.")

@@ -70,11 +70,6 @@ def client_of(address: str | None) -> str:
     return str(parsed)
 
 
-def _start_nothing(_status: str, _headers: list[tuple[str, str]], _error: object = None) -> Callable[[bytes], object]:
-    """The start_response of an answer that nobody sends."""
-    return lambda _content: None
-
-
 class BehindProxy:
     """WSGI middleware that takes over what the trusted proxy forwards, once, and drops the same from all others."""
 
@@ -88,7 +83,7 @@ class BehindProxy:
         environ["REMOTE_ADDR"] = plain_address(environ.get("REMOTE_ADDR", ""))
         if self._proxy is not None and FORWARDED not in environ and self._proxy.is_at(environ["REMOTE_ADDR"]):
             environ[FORWARDED] = "HTTP_X_FORWARDED_FOR" in environ
-            self._fix(environ, _start_nothing)
+            self._fix(environ, start_response)  # which the app within does not call
             environ["REMOTE_ADDR"] = plain_address(environ["REMOTE_ADDR"])
         for name in [name for name in environ if name.startswith("HTTP_X_FORWARDED_") or name in DROPPED]:
             del environ[name]

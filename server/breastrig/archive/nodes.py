@@ -1,26 +1,21 @@
 """An archive to send to: its address, how it is spoken to, and what it takes."""
 
 import re
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from breastrig.core.errors import BadSettings
-from breastrig.core.private_files import read_ordinary
+from breastrig.core.settings_file import SettingsPart, checked, read_toml
 
-FILE_BYTES = 1_000_000
 TITLE = r"[^\\\x00-\x1f\x7f-\U0010ffff]{1,16}"  # of an application entity
 DICOM = re.compile(rf"({TITLE})@(\[[0-9a-fA-F:.]+\]|[A-Za-z0-9._-]+):([0-9]{{1,5}})")
 STOW = re.compile(r"https?://[^\s/@?#]+(/[^\s?#]*)?")
 Name = Literal["report", "measures", "skin", "scan"]
 
 
-class Node(BaseModel):
+class Node(SettingsPart):
     """One of both addresses, and where it needs more."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     dicom: str = Field("", description="AE@HOST:PORT, for C-STORE")
     stow: str = Field("", description="http(s)://…, for STOW-RS")
@@ -57,28 +52,10 @@ class Node(BaseModel):
 
 def node(**said: Any) -> Node:
     """BadSettings with one sentence where these are no node."""
-    try:
-        return Node(**said)
-    except ValidationError as error:
-        raise BadSettings(_sentence("This is no archive to send to", error)) from error
+    return checked(Node, said, "This is no archive to send to")
 
 
 def nodes_of(file: Path) -> dict[str, Node]:
     """The nodes of a TOML file, a table [NAME] each; BadSettings with one sentence."""
-    try:
-        tables = tomllib.loads(read_ordinary(file, FILE_BYTES).decode())
-    except (OSError, ValueError) as error:
-        raise BadSettings(f"The file of archives {file} cannot be read as TOML; check it.") from error
-    found = {}
-    for name, table in tables.items():
-        try:
-            found[name] = Node.model_validate(table)
-        except ValidationError as error:
-            raise BadSettings(_sentence(f"{file}: [{name}] is no archive to send to", error)) from error
-    return found
-
-
-def _sentence(what: str, error: ValidationError) -> str:
-    first = error.errors()[0]
-    where = ".".join(map(str, first["loc"]))
-    return f"{what}: {where + ': ' if where else ''}{first['msg'].removeprefix('Value error, ')}."
+    tables = read_toml(file, "archives", "write a table [NAME] for each")
+    return {name: checked(Node, table, f"{file}: [{name}] is no archive to send to") for name, table in tables.items()}

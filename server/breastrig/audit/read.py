@@ -32,10 +32,16 @@ def lines_from(root: Path, of: str = "", since: str = "", before: int | None = N
         if before is not None and int(file.stem) >= before:
             continue
         for content in reversed(file.read_bytes().split(b"\n")[:-1]):  # half a line counts when it is whole
-            if wanted in content and (before is None or _number(file, content) < before):
-                line = _read(file, content)
-                if str(line.get("at", "")) >= since:
-                    yield line | {"sha256": hashlib.sha256(content).hexdigest()}
+            if wanted not in content:
+                continue
+            try:
+                number = number_of(content)
+                line = json.loads(content) if before is None or number < before else {}
+            except ValueError as error:
+                said = f"{file.name} of the audit log has a damaged line; `breastrig audit check` says which."
+                raise BadInput(said) from error
+            if line and str(line.get("at", "")) >= since:
+                yield line | {"sha256": hashlib.sha256(content).hexdigest()}
 
 
 def deletions(root: Path, of: str = "") -> Iterator[dict[str, Any]]:
@@ -101,23 +107,3 @@ def _fault(content: bytes, last: Mark, file: Path) -> str:
 
 def _missing(first: int, last: int) -> str:
     return f"Line {first} is missing." if first == last else f"Lines {first} to {last} are missing."
-
-
-def _number(file: Path, content: bytes) -> int:
-    try:
-        return number_of(content)
-    except ValueError as error:
-        raise _damaged(file) from error
-
-
-def _read(file: Path, content: bytes) -> dict[str, Any]:
-    try:
-        line: dict[str, Any] = json.loads(content)
-        line.get("n")
-    except (ValueError, AttributeError) as error:
-        raise _damaged(file) from error
-    return line
-
-
-def _damaged(file: Path) -> BadInput:
-    return BadInput(f"{file.name} of the audit log has a damaged line; `breastrig audit check` says which.")

@@ -24,8 +24,7 @@ WORK, MOST_WORK = 18, 20  # log2 of scrypt's N: a second and 256 MB; more would 
 HEADER = re.compile(rb"age-encryption\.org/v1\n-> scrypt ([\w+/]{22}) (\d\d?)\n([\w+/]{43})\n---")
 NO_BACKUP = "The file is no backup of BreastRig: it is not encrypted by age with a passphrase."
 WRONG = "The passphrase is not the one of this backup; try another."
-CHANGED = "The backup was changed: bytes of it are not those that were written; take another copy of it."
-CUT = "The backup ends too early: the end of the file is missing; take another copy of it."
+DAMAGED = "The backup ends too early, or bytes of it are not those that were written; take another copy of it."
 
 
 class SealedWriter:
@@ -60,7 +59,7 @@ class SealedReader:
     def __init__(self, file: IO[bytes], passphrase: str) -> None:
         found = HEADER.match(head := file.read(200))
         if found is None or not 1 <= int(found[2]) <= MOST_WORK:
-            raise BadInput(NO_BACKUP if not head.startswith(VERSION[:20]) or len(head) == 200 else CUT)
+            raise BadInput(NO_BACKUP if not head.startswith(VERSION[:20]) or len(head) == 200 else DAMAGED)
         try:
             key = ChaCha20Poly1305(_scrypt(passphrase, _bytes(found[1]), int(found[2]))).decrypt(
                 bytes(12), _bytes(found[3]), None
@@ -69,7 +68,7 @@ class SealedReader:
             raise BadInput(WRONG) from None
         end = found.end() + 1 + 43 + 1
         if not hmac.compare_digest(_text(_mac(key, found[0])), head[found.end() + 1 : end - 1]):
-            raise BadInput(CHANGED)
+            raise BadInput(DAMAGED)
         file.seek(end)
         self._file, self._number, self._left, self._ended = file, 0, b"", False
         self._cipher = ChaCha20Poly1305(_derived(key, file.read(16), b"payload"))
@@ -92,19 +91,9 @@ class SealedReader:
         try:
             content = self._cipher.decrypt(_nonce(self._number, self._ended), sealed, None)
         except InvalidTag:
-            raise BadInput(CUT if self._ended and self._is_in_the_middle(sealed) else CHANGED) from None
+            raise BadInput(DAMAGED) from None
         self._number += 1
         return content
-
-    def _is_in_the_middle(self, sealed: bytes) -> bool:
-        """Whether this last part is none: a whole chunk that another one followed, or a part of one."""
-        if len(sealed) < CHUNK + TAG:
-            return len(sealed) < TAG or self._number > 0
-        try:
-            self._cipher.decrypt(_nonce(self._number, False), sealed, None)
-        except InvalidTag:
-            return False
-        return True
 
 
 def _scrypt(passphrase: str, salt: bytes, work: int) -> bytes:

@@ -15,7 +15,7 @@ from typing import IO, Any
 
 from breastrig.audit.log import FOLDER, AuditLog, Entry, Mark, installation_of
 from breastrig.audit.read import check, deletions
-from breastrig.backup.age import CHANGED, SealedReader
+from breastrig.backup.age import DAMAGED, SealedReader
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, remove_tree
 from breastrig.cases.removal import delete_case, delete_scan
@@ -108,9 +108,9 @@ def _extracted(sealed: IO[bytes], part: Path, passphrase: str) -> dict[str, Any]
             raise BadInput("The backup is of another version of BreastRig; restore it with that one.")
         wanted = {name: (size, sha256) for name, (size, sha256) in manifest["files"].items()}
     except (tarfile.TarError, ValueError, KeyError, TypeError) as error:
-        raise BadInput(CHANGED) from error
+        raise BadInput(DAMAGED) from error
     if any(known.get(name) != facts for name, facts in wanted.items()) or layout.MARK not in wanted:
-        raise BadInput(CHANGED)
+        raise BadInput(DAMAGED)
     for name in known.keys() - wanted.keys():  # of cases that were written, moved or deleted meanwhile
         (part / name).unlink()
     for place, _, _ in os.walk(part, topdown=False):  # a scan without files would be one

@@ -23,7 +23,8 @@ from breastrig.batch.manifest import INPUTS, BadManifest, BatchRow, read_manifes
 from breastrig.batch.run import SPARE, Batch, exclusive, run_batch
 from breastrig.batch.table import FILE, MEASURES, Outcome, is_table, write_table
 from breastrig.batch.task import measured_fit
-from breastrig.cli.options.output_options import MISFIT, add_output_options, files_of_model, output_folder
+from breastrig.cli.messages.say import say
+from breastrig.cli.options.output_options import MISFIT, add_output_options, output_folder
 from breastrig.core.assets import model_path, packaged_models
 from breastrig.core.errors import BadSettings
 from breastrig.core.output_files import OutputSet, check_inputs_kept, check_output
@@ -126,17 +127,13 @@ def _in_order(rows: Sequence[BatchRow], done: dict[str, Outcome]) -> list[Outcom
 def _check_places(options: argparse.Namespace, rows: Sequence[BatchRow], model: Path | None) -> None:
     """Raises BadInput when the table of results or a result would replace what must stay."""
     presets = {row.preset_file for row in rows if row.preset_file}
-    read = [
-        options.manifest,
-        *files_of_model(model),
-        *([] if options.prior is None else [options.prior]),
-        *presets,
-        *(file for row in rows for file in (row.scan, row.landmarks) if file),
-    ]
+    rig = [] if model is None else [model, model.with_suffix(".json")]
+    of_rows = [file for row in rows for file in (row.scan, row.landmarks) if file]
     names = () if is_table(options.output / FILE) else (FILE,)
-    check_output(output_folder(options, [OutputSet(Path(), names)], read))
+    output = output_folder(options, OutputSet(Path(), names), also_read=[*rig, *presets, *of_rows])
+    check_output(output)
     results = [options.output / row.name / name for row in rows for name in (*FIT_FILES, MEASURES, INPUTS)]
-    check_inputs_kept([options.output / FILE, *results], read)
+    check_inputs_kept([options.output / FILE, *results], output.inputs)
 
 
 def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor:
@@ -146,10 +143,9 @@ def _executor(options: argparse.Namespace, rows: Sequence[BatchRow]) -> Executor
         return Pool().queue(options.jobs or limits.workers, limits.memory_bytes)
     pool = DaskPool(options.scheduler, memory_bytes=limits.memory_bytes)
     if not pool.found_workers:
-        print(
-            f"breastrig: The scheduler has no worker of this version ({RESOURCE}) yet; the fits wait for one. "
+        say(
+            f"The scheduler has no worker of this version ({RESOURCE}) yet; the fits wait for one. "
             f"Start it with: breastrig worker {options.scheduler}",
-            file=sys.stderr,
         )
     return pool
 
@@ -195,8 +191,7 @@ def _run(batch: Batch, executor: Executor, silent: bool, stop: Event, done: dict
 
 
 def _report_faults(faults: list[str]) -> int:
-    for fault in faults[:SHOWN_FAULTS]:
-        print(f"breastrig: {fault}", file=sys.stderr)
+    say(*faults[:SHOWN_FAULTS])
     if len(faults) > SHOWN_FAULTS:
-        print(f"breastrig: Wrong rows that are not shown: {len(faults) - SHOWN_FAULTS}.", file=sys.stderr)
+        say(f"Wrong rows that are not shown: {len(faults) - SHOWN_FAULTS}.")
     return 2

@@ -7,61 +7,39 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from breastrig.cli.cases import actions as actions_of
+from breastrig.cli.cases import actions
 from breastrig.cli.cases import options as options_of
 from breastrig.cli.cases.audited import audited
 
+Action = Callable[[argparse.Namespace], int]
+ACTIONS: dict[str, tuple[str, Action, Callable[[argparse.ArgumentParser], None]]] = {
+    "create": ("make a case without scans", actions.create, options_of.create_options),
+    "add": ("read a scan into a case", actions.add, options_of.add_options),
+    "lesions": ("add the lesions of another file to the plan", actions.lesions, options_of.lesions_options),
+    "landmarks": ("replace a scan's landmarks", actions.landmarks, options_of.landmarks_options),
+    "length": ("give a scan its true size", actions.length, options_of.length_options),
+    "visit": ("say on which day a scan was taken", actions.visit, options_of.visit_options),
+    "fit": ("fit a scan of a case, and keep the fit in it", actions.fit, options_of.fit_options),
+    "predict": ("the patient of a scan in another stance", actions.predict, options_of.predict_options),
+    "plan": ("write the plan into a file, replace it, or undo a change", actions.plan, options_of.plan_options),
+    "show": ("show the contents of a case", actions.show, options_of.no_options),
+    "list": ("the cases of a folder or data folder", actions.list_cases, options_of.no_options),
+    "rename": ("give the patient another code", actions.rename, options_of.create_options),
+    "move": ("move a scan to another case", actions.move, options_of.move_options),
+    "delete": ("delete a scan, or the whole case, for good", actions.delete, options_of.delete_options),
+}
+
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
-    _action(actions, "create", "make a case without scans", actions_of.create, options_of.create_options)
-    _action(actions, "add", "read a scan into a case", actions_of.add, options_of.add_options)
-    _action(
-        actions,
-        "lesions",
-        "add the lesions of another file to the plan",
-        actions_of.lesions,
-        options_of.lesions_options,
-    )
-    _action(actions, "landmarks", "replace a scan's landmarks", actions_of.landmarks, options_of.landmarks_options)
-    _action(actions, "length", "give a scan its true size", actions_of.length, options_of.length_options)
-    _action(actions, "visit", "say on which day a scan was taken", actions_of.visit, options_of.visit_options)
-    _action(actions, "fit", "fit a scan of a case, and keep the fit in it", actions_of.fit, options_of.fit_options)
-    _action(
-        actions, "predict", "the patient of a scan in another stance", actions_of.predict, options_of.predict_options
-    )
-    _action(
-        actions,
-        "plan",
-        "write the plan into a file, replace it, or undo a change",
-        actions_of.plan,
-        options_of.plan_options,
-    )
-    _action(actions, "show", "show the contents of a case", actions_of.show, options_of.no_options)
-    _action(actions, "list", "the cases of a folder or data folder", actions_of.list_cases, None)
-    _action(actions, "rename", "give the patient another code", actions_of.rename, options_of.create_options)
-    _action(actions, "move", "move a scan to another case", actions_of.move, options_of.move_options)
-    _action(
-        actions, "delete", "delete a scan, or the whole case, for good", actions_of.delete, options_of.delete_options
-    )
+    parsers = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    for name, (what, _, add) in ACTIONS.items():
+        action = parsers.add_parser(name, help=what, description=what)
+        place = "FOLDER" if name == "list" else "CASE"
+        action.add_argument("case", type=Path, metavar=place, help="folder of the case")
+        add(action)
 
 
 def run(options: argparse.Namespace) -> int:
     """Returns the exit code of the action."""
-    act: Callable[[argparse.Namespace], int] = options.act
     with audited(options):
-        return act(options)
-
-
-def _action(
-    actions: "argparse._SubParsersAction[argparse.ArgumentParser]",
-    name: str,
-    what: str,
-    act: Callable[[argparse.Namespace], int],
-    add: Callable[[argparse.ArgumentParser], None] | None,
-) -> None:
-    parser = actions.add_parser(name, help=what, description=what)
-    parser.set_defaults(act=act)
-    parser.add_argument("case", type=Path, metavar="CASE" if add else "FOLDER", help="folder of the case")
-    if add is not None:
-        add(parser)
+        return ACTIONS[options.action][1](options)

@@ -9,14 +9,11 @@ A prior holds sums over patients and hashes of their scans, no patient's own num
 
 import argparse
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 
-from breastrig.cli.options.output_options import add_output_options, output_file
-from breastrig.core.assets import model_path
+from breastrig.cli.messages.say import say
+from breastrig.cli.options.output_options import add_model, add_output_options, writing_file
 from breastrig.core.errors import BadInput
-from breastrig.core.output_files import all_or_nothing
-from breastrig.core.private_files import write_private
 from breastrig.fitting.body.expected_body import cohort_posterior
 from breastrig.fitting.recipe import load_recipe
 from breastrig.gltf.read_rig import default_rig_path, read_rig
@@ -39,7 +36,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     info = actions.add_parser("info", help="of how many patients it is, and how much it tells")
     info.add_argument("prior", type=Path, metavar="PRIOR", help="a file that this command wrote")
     for action in (learning, removing, info):
-        action.add_argument("--model", type=model_path, metavar="MODEL", help="another rig than the package's torso")
+        add_model(action, "another rig than the package's torso")
     for action in (learning, merging, removing):
         add_output_options(action, "PRIOR", "file for the prior")
 
@@ -52,9 +49,9 @@ def run(options: argparse.Namespace) -> int:
     folders = list(getattr(options, "results", []))
     priors = list(getattr(options, "priors", [])) or ([options.prior] if "prior" in options else [])
     _not_within(options.output, folders)
-    with all_or_nothing(output_file(options, priors)) as out:
+    with writing_file(options) as write:
         prior = _made(options, folders, priors)
-        write_private(out / options.output.name, prior.content())
+        write(prior.content())
     if sys.stdout.isatty():
         print(f"{options.output} is of {_patients(prior)}.")
     return 0
@@ -64,17 +61,12 @@ def _made(options: argparse.Namespace, folders: list[Path], files: list[Path]) -
     priors = [read_prior(file) for file in files]
     if options.action == "merge":
         prior, sentences = merged(priors)
-        _say(sentences)
+        say(*sentences)
         return prior
     rig = _rig(options)
     found = cohort_of_folders(folders, rig, with_example=options.action == "remove")
-    _say(found.others)
+    say(*found.others)
     return found.prior if options.action == "learn" else priors[0].without(found.prior)
-
-
-def _say(sentences: Iterable[str]) -> None:
-    for sentence in sentences:
-        print(f"breastrig: {sentence}", file=sys.stderr)
 
 
 def _not_within(output: Path, folders: list[Path]) -> None:

@@ -2,12 +2,11 @@
 Written to a folder, sent to an archive by C-STORE or STOW-RS, or both.  Sending twice does not double them."""
 
 import argparse
-import sys
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
-from breastrig.cli.options.output_options import add_same_patient
-from breastrig.core.assets import model_path
+from breastrig.cli.messages.say import say
+from breastrig.cli.options.output_options import add_model, add_same_patient
 from breastrig.core.errors import BadInput
 from breastrig.use.archive.dicom import send_dicom, write_dicom
 
@@ -38,7 +37,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--authorization", type=Path, metavar="FILE", help="file with the Authorization header for STOW-RS"
     )
-    parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig that the fit was made with")
+    add_model(parser, "the rig that the fit was made with")
     add_same_patient(parser)
 
 
@@ -52,7 +51,6 @@ def run(options: argparse.Namespace) -> int:
         write_dicom(options.fit, options.output, force=options.force, asked_to_stop=raise_if_asked, **common)
     if addresses:
         to = addresses | {name: getattr(options, name) for name in (*ARCHIVE, "objects")}
-        for said in send_dicom(options.fit, **common, **to):
-            print(f"breastrig: {said}", file=sys.stderr)
+        say(*send_dicom(options.fit, **common, **to))
         print(f"{options.dicom or options.stow} stored all of them; storage commitment was not asked for.")
     return 0

@@ -4,18 +4,13 @@ landmarks, lines, regions and caps as named sets of vertices (JSON)."""
 import argparse
 from pathlib import Path
 
-from breastrig.cli.messages.earlier_fits import say_unchecked
-from breastrig.cli.options.output_options import (
-    add_output_options,
-    add_plan_options,
-    files_of_fit,
-    files_of_model,
-    output_folder,
-)
-from breastrig.core.output_files import OutputSet, all_or_nothing
+from breastrig.cli.messages.say import say
+from breastrig.cli.options.output_options import add_output_options, add_plan_options, writing_folder
+from breastrig.core.output_files import OutputSet
 from breastrig.core.private_files import write_files
 from breastrig.drawings.drawing_file import drawing_document
 from breastrig.report.files.exported import SET_FORMAT
+from breastrig.use.folder.earlier_fits import unchecked
 from breastrig.use.reports.export_fit import EXPORT_FILES, EXPORT_RECORD, export_files
 
 
@@ -27,12 +22,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Writes the files; returns 0."""
-    inputs = [options.plan, *files_of_fit(options.fit), *files_of_fit(options.other), *files_of_model(options.model)]
-    with all_or_nothing(
-        output_folder(options, [OutputSet(Path(), EXPORT_FILES, EXPORT_RECORD, SET_FORMAT)], inputs)
-    ) as out:
+    with writing_folder(options, OutputSet(Path(), EXPORT_FILES, EXPORT_RECORD, SET_FORMAT)) as out:
         plan = None if options.plan is None else drawing_document(options.plan)
         files = export_files(options.fit, options.model, plan, options.other, options.same_patient, options.slicer)
         write_files(files, out)
-    say_unchecked(options.fit, options.other)
+    say(*unchecked([options.fit, options.other]))
     return 0

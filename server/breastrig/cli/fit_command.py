@@ -10,9 +10,9 @@ from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
 from breastrig.cli.messages.progress import fitted
-from breastrig.cli.options.output_options import MISFIT, add_output_options, files_of_model, output_folder
+from breastrig.cli.messages.say import say
+from breastrig.cli.options.output_options import MISFIT, add_model, add_output_options, output_folder
 from breastrig.cli.options.scan_options import add_scan_options, scan_of, scan_source
-from breastrig.core.assets import model_path
 from breastrig.core.output_files import Output, all_or_nothing
 from breastrig.core.stances import STANCES
 from breastrig.drawings.patterns import pattern_help
@@ -56,7 +56,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--stance", default="auto", choices=STANCES, help="stance of the scan")
     parser.add_argument("--preset", default="default", metavar="NAME", help="default, paper, or a TOML file")
-    parser.add_argument("--model", type=model_path, metavar="MODEL", help="another rig of the same form")
+    add_model(parser, "another rig of the same form")
     parser.add_argument(
         "--prior", type=Path, metavar="FILE", help="a prior from a cohort's fits, by `breastrig cohort`"
     )
@@ -110,9 +110,8 @@ LEVELS = {
 
 def _output(options: argparse.Namespace) -> Output:
     """The output folder with its files, and the input files."""
-    preset = Path(options.preset) if options.preset.endswith(".toml") else None
-    inputs = [options.scan, options.landmarks, options.cuts, preset, options.prior, *options.lesions]
-    return output_folder(options, [fit_set(Path())], [*inputs, *files_of_model(options.model)])
+    preset = [Path(options.preset)] if options.preset.endswith(".toml") else []
+    return output_folder(options, fit_set(Path()), also_read=preset)
 
 
 def _run(options: argparse.Namespace) -> FitRun[Iterate, Fit]:
@@ -155,8 +154,7 @@ def run(options: argparse.Namespace) -> int:
         *result.drawing_missing,
         *_worth_a_check(fit),
     ]
-    for sentence in said:
-        print(f"breastrig: {sentence}", file=sys.stderr)
+    say(*said)
     if sys.stdout.isatty():
         print(f"{summary(result)}; patient {patient.code}, results in {options.output}")
     if verdict.level == "unusable":

@@ -7,6 +7,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from breastrig.cli.messages.say import say
 from breastrig.core.errors import BadInput
 from breastrig.index.index import Index
 from breastrig.service.bring_over import is_early, take_over
@@ -28,11 +29,11 @@ def run(options: argparse.Namespace) -> int:
     index.close()
     print(f"{found.cases} cases, {found.scans} scans, {found.fits} fits")
     if not found.links_kept:
-        print("breastrig: there was no index to take over: links are closed, sessions are over.", file=sys.stderr)
+        say("there was no index to take over: links are closed, sessions are over.")
     if found.busy:
-        print(f"breastrig: {found.busy} cases are being written; they are read at the next look.", file=sys.stderr)
+        say(f"{found.busy} cases are being written; they are read at the next look.")
     for case_id in found.unreadable:
-        print(f"breastrig: the case {case_id} has a damaged document; put a copy back.", file=sys.stderr)
+        say(f"the case {case_id} has a damaged document; put a copy back.")
     return 1 if found.unreadable else 0
 
 

@@ -4,10 +4,8 @@ import argparse
 from collections import Counter
 from pathlib import Path
 
-from breastrig.cli.options.output_options import add_output_options, output_file
+from breastrig.cli.options.output_options import add_output_options, writing_file
 from breastrig.core.documents import json_bytes
-from breastrig.core.output_files import all_or_nothing, check_output
-from breastrig.core.private_files import write_private
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.use.ink import find_ink
 
@@ -20,11 +18,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Finds and writes, in the scan's frame and unit; returns 0, also where there is no ink."""
-    output = output_file(options, [options.scan])
-    check_output(output)
-    ink = find_ink(options.scan, units=options.units)
-    with all_or_nothing(output) as out:
-        write_private(out / options.output.name, json_bytes(ink.document))
+    with writing_file(options) as write:
+        ink = find_ink(options.scan, units=options.units)
+        write(json_bytes(ink.document))
     length = sum(each.length_mm for each in ink.strokes)
     kinds = Counter(each.kind for each in ink.strokes)
     what = ", ".join(f"{count} {kind}" for kind, count in kinds.items())

@@ -2,14 +2,11 @@
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
-from breastrig.cli.options.output_options import add_output_options, files_of_model, output_file
+from breastrig.cli.messages.say import say
+from breastrig.cli.options.output_options import add_model, add_output_options, writing_file
 from breastrig.cli.options.scan_options import add_scan_options, scan_of
-from breastrig.core.assets import model_path
-from breastrig.core.output_files import all_or_nothing
-from breastrig.core.private_files import write_private
 from breastrig.scan.landmarks.landmark_files import landmark_file
 from breastrig.use.landmarks import propose_landmarks
 
@@ -17,7 +14,7 @@ from breastrig.use.landmarks import propose_landmarks
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scan", type=Path, metavar="SCAN", help="as for breastrig fit")
     add_scan_options(parser)
-    parser.add_argument("--model", type=model_path, metavar="MODEL", help="another rig of the same form")
+    add_model(parser, "another rig of the same form")
     add_output_options(parser, "FILE", ".json (with a confidence and a 90 %% radius each), .csv, .pp, .mrk.json")
 
 
@@ -29,10 +26,10 @@ NO_CONFIDENCE = (
 
 def run(options: argparse.Namespace) -> int:
     """Proposes and writes, in the scan's frame and unit; returns 0."""
-    with all_or_nothing(output_file(options, [options.scan, *files_of_model(options.model)])) as out:
-        write_private(out / options.output.name, _proposed(options))
+    with writing_file(options) as write:
+        write(_proposed(options))
     if _kind(options.output) != "json":
-        print(f"breastrig: {NO_CONFIDENCE}", file=sys.stderr)
+        say(NO_CONFIDENCE)
     return 0
 
 
@@ -46,7 +43,7 @@ def _proposed(options: argparse.Namespace) -> bytes:
     proposals = propose_landmarks(scan, model=options.model)
     for sentence in sorted(set(proposals.not_proposed.values())):
         names = ", ".join(name for name, why in proposals.not_proposed.items() if why == sentence)
-        print(f"breastrig: not proposed: {names}. {sentence}", file=sys.stderr)
+        say(f"not proposed: {names}. {sentence}")
     places = {name: proposal.point for name, proposal in proposals.items()}
     kind = _kind(options.output)
     confidence = {name: proposal.confidence for name, proposal in proposals.items()}

@@ -7,17 +7,8 @@ follows what is proposed: look at each pair, and put those that are right under 
 import argparse
 from pathlib import Path
 
-from breastrig.cli.options.output_options import (
-    add_output_options,
-    add_same_patient,
-    files_of_fit,
-    files_of_model,
-    output_file,
-)
-from breastrig.core.assets import model_path
+from breastrig.cli.options.output_options import add_model, add_output_options, add_same_patient, writing_file
 from breastrig.core.documents import json_bytes
-from breastrig.core.output_files import all_or_nothing
-from breastrig.core.private_files import write_private
 from breastrig.files.result import read_result
 from breastrig.use.marks.propose_marks import propose_marks
 
@@ -27,18 +18,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scan_b", type=Path, metavar="SCAN_B", help="the scan of OUT_B, with its colours")
     parser.add_argument("--from", dest="from_fit", type=Path, required=True, metavar="OUT_A", help="fit of scan A")
     parser.add_argument("--to", dest="to_fit", type=Path, required=True, metavar="OUT_B", help="fit of scan B")
-    parser.add_argument(
-        "--model", type=model_path, metavar="MODEL", help="the rig of both fits, when not the package's"
-    )
+    add_model(parser, "the rig of both fits, when not the package's")
     add_same_patient(parser)
     add_output_options(parser, "FILE", ".json: the marks of each scan as landmark files have them, and their errors")
 
 
 def run(options: argparse.Namespace) -> int:
     """Finds and writes; returns 0, also where there is no pair."""
-    fits = [*files_of_fit(options.from_fit), *files_of_fit(options.to_fit)]
-    inputs = [options.scan_a, options.scan_b, *fits, *files_of_model(options.model)]
-    with all_or_nothing(output_file(options, inputs)) as out:
+    with writing_file(options) as write:
         found = propose_marks(
             options.from_fit,
             options.to_fit,
@@ -59,6 +46,6 @@ def run(options: argparse.Namespace) -> int:
                 m.name: {"kind": m.kind, "off_mm": round(m.off_mm, 1), "error_mm": round(m.error_mm, 1)} for m in found
             },
         }
-        write_private(out / options.output.name, json_bytes(document))
+        write(json_bytes(document))
     print(found.says)
     return 0

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from breastrig.cli.options.output_options import add_model
 from breastrig.core.assets import model_path
 from breastrig.core.errors import BadInput, BadModel
 from breastrig.core.stances import STANCES
@@ -35,7 +36,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     ):
         action = actions.add_parser(name, help=what)
         action.add_argument("given", type=model_path, nargs="?", metavar="MODEL", help="as --model")
-        action.add_argument("--model", type=model_path, metavar="MODEL", help="another rig than the package's torso")
+        add_model(action, "another rig than the package's torso")
     learning = actions.add_parser("learn", help="estimates the known data of a rig, from bodies with known skin")
     learning.add_argument("model", type=model_path, metavar="MODEL", help="the rig, as for `breastrig fit --model`")
     learning.add_argument("bodies", type=Path, metavar="BODIES", help="as for `breastrig evaluate`")

@@ -3,9 +3,7 @@
 import argparse
 from pathlib import Path
 
-from breastrig.cli.options.output_options import add_language, output_file
-from breastrig.core.output_files import all_or_nothing
-from breastrig.core.private_files import write_private
+from breastrig.cli.options.output_options import add_language, writing_file
 from breastrig.use.reports.report import protocol_pdf_of
 
 
@@ -17,6 +15,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Writes the page; returns 0."""
-    with all_or_nothing(output_file(options, [])) as out:
-        write_private(out / options.output.name, protocol_pdf_of(options.language))
+    with writing_file(options) as write:
+        write(protocol_pdf_of(options.language))
     return 0

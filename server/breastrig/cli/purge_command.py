@@ -1,7 +1,6 @@
 """`breastrig purge`: deletes scans with everything made of them, while no server runs."""
 
 import argparse
-import sys
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import timedelta
@@ -12,6 +11,7 @@ from breastrig.audit.log import AuditLog
 from breastrig.cases import layout, removal
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cli.cases.audited import shell
+from breastrig.cli.messages.say import say
 from breastrig.cli.options.service_options import add_setting_options, chosen_data_folder
 from breastrig.core import wall_clock
 from breastrig.core.errors import BadInput, BadSettings, NotFound
@@ -45,15 +45,13 @@ def run(options: argparse.Namespace) -> int:
         storage.close()
     print(f"{_count(purged.scans, 'scan')} deleted from {storage.root}")
     for left in purged.left:
-        print(f"breastrig: {left.where} cannot be removed ({left.reason})", file=sys.stderr)
+        say(f"{left.where} cannot be removed ({left.reason})")
     if purged.left:
-        print(
-            f"breastrig: {_count(len(purged.left), 'folder')} of deleted scans could not be removed; mend what is in "
+        say(
+            f"{_count(len(purged.left), 'folder')} of deleted scans could not be removed; mend what is in "
             "the way and call purge again.",
-            file=sys.stderr,
         )
-    for said in purged.trouble:
-        print(f"breastrig: {said}", file=sys.stderr)
+    say(*purged.trouble)
     return 1 if purged.left or purged.trouble else 0
 
 

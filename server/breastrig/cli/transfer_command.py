@@ -11,19 +11,18 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from breastrig.cli.messages.earlier_fits import say_unchecked
+from breastrig.cli.messages.say import say
 from breastrig.cli.options.output_options import (
+    add_model,
     add_output_options,
     add_same_patient,
-    files_of_fit,
-    files_of_model,
-    output_file,
     say_misfits,
+    writing_file,
 )
-from breastrig.core.assets import model_path
-from breastrig.core.output_files import all_or_nothing
+from breastrig.core.documents import json_bytes
 from breastrig.files.result import read_result
 from breastrig.scan.landmarks.marks import listed
+from breastrig.use.folder.earlier_fits import unchecked
 from breastrig.use.transfer import transfer
 
 
@@ -34,18 +33,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--other-patient", action="store_true", help="the scans are of two patients: same place instead of same skin"
     )
-    parser.add_argument(
-        "--model", type=model_path, metavar="MODEL", help="the rig of both fits, when not the package's"
-    )
+    add_model(parser, "the rig of both fits, when not the package's")
     add_same_patient(parser)
     add_output_options(parser, "FILE", "drawing on scan B, JSON")
 
 
 def run(options: argparse.Namespace) -> int:
     """Transfers and writes; returns 0, or 4 where an item does not fit on scan B."""
-    fits = [*files_of_fit(options.from_fit), *files_of_fit(options.to_fit)]
-    inputs = [options.drawing, *fits, *files_of_model(options.model)]
-    with all_or_nothing(output_file(options, inputs)) as out:
+    with writing_file(options) as write:
         drawing = transfer(
             options.from_fit,
             options.to_fit,
@@ -54,22 +49,21 @@ def run(options: argparse.Namespace) -> int:
             same_patient=options.same_patient,
             model=options.model,
         )
-        drawing.save(out / options.output.name)
-    for said in (*drawing.document.get("doubts", ()), *drawing.document.get("moved", ()), *_of_marks(drawing.document)):
-        print(f"breastrig: {said}", file=sys.stderr)
+        write(json_bytes(drawing.document))
+    document = drawing.document
+    say(*document.get("doubts", ()), *document.get("moved", ()), *_of_marks(document))
     scale = None if options.drawing is None else read_result(options.from_fit).scale
     if scale is not None:
-        print(
-            f"breastrig: The scan of --from was scaled by {scale.factor:.3f} to its true size; the places of --drawing "
+        say(
+            f"The scan of --from was scaled by {scale.factor:.3f} to its true size; the places of --drawing "
             "were taken to be in that size, not in that of the scan's file.",
-            file=sys.stderr,
         )
-    say_unchecked(options.from_fit, options.to_fit)
-    shapes = drawing.document["shapes"]
+    say(*unchecked([options.from_fit, options.to_fit]))
+    shapes = document["shapes"]
     bridged, count = sum(sum(shape["bridged"]) for shape in shapes), sum(len(shape["points"]) for shape in shapes)
     if sys.stdout.isatty():
         print(f"{count} points, {bridged} of them over holes of the scan; drawing in {options.output}")
-    return say_misfits([str(each["reason"]) for each in drawing.document.get("missing", ())])
+    return say_misfits([str(each["reason"]) for each in document.get("missing", ())])
 
 
 def _of_marks(document: Mapping[str, Any]) -> Iterator[str]:

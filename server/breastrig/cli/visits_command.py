@@ -6,10 +6,10 @@ ranges in grey) and a signed map of each change: change_STANCE_N.png, .glb and .
 """
 
 import argparse
-import sys
 from pathlib import Path
 
 from breastrig.cli.interruption import raise_if_asked
+from breastrig.cli.messages.say import say
 from breastrig.cli.options.output_options import add_language, add_output_options
 from breastrig.use.cases.case import Case
 
@@ -27,10 +27,9 @@ def run(options: argparse.Namespace) -> int:
     found = case.write_visits(options.output, language=language, force=force, asked_to_stop=raise_if_asked)
     numbers = {scan.id: number for number, scan in enumerate(case.scans, start=1)}
     for each in found["asked"]:
-        print(
-            f"breastrig: The day of scan {numbers[each['scan']]} ({each['stance']}) is not known; say it with "
+        say(
+            f"The day of scan {numbers[each['scan']]} ({each['stance']}) is not known; say it with "
             "`breastrig case visit`.",
-            file=sys.stderr,
         )
     for stance in found["stances"]:
         for change in stance["changes"]:
@@ -40,6 +39,5 @@ def run(options: argparse.Namespace) -> int:
             )
             said = [f"{side} {ml} ml" for side, ml in volumes.items() if side != "difference"]
             print(f"{stance['stance']}, {a['date']} to {b['date']}: {', '.join(said) or 'no volume is known'}")
-            for doubt in (*change["doubts"], *filter(None, [change.get("missing")])):
-                print(f"breastrig: {doubt}", file=sys.stderr)
+            say(*change["doubts"], *filter(None, [change.get("missing")]))
     return 0

@@ -2,14 +2,11 @@
 breast_R, chest_wall, trunk; which nodes are held, slide, or hold the breast; and the skin nodes' model vertices."""
 
 import argparse
-import sys
 from pathlib import Path
 
-from breastrig.cli.messages.earlier_fits import say_unchecked
-from breastrig.cli.options.output_options import add_output_options, files_of_fit, files_of_model, output_file
-from breastrig.core.assets import model_path
-from breastrig.core.output_files import all_or_nothing
-from breastrig.core.private_files import write_private
+from breastrig.cli.messages.say import say
+from breastrig.cli.options.output_options import add_model, add_output_options, writing_file
+from breastrig.use.folder.earlier_fits import unchecked
 from breastrig.use.folder.fit_folder import read_fit_folder
 from breastrig.use.volume import breasts_said, volume_file, volume_of
 from breastrig.volume.mesh_files import check_name
@@ -18,20 +15,19 @@ from breastrig.volume.volume_mesh import REGIONS, SOUND
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("fit", type=Path, metavar="OUT", help="folder that `breastrig fit` wrote")
-    parser.add_argument("--model", type=model_path, metavar="MODEL", help="the rig that the fit was made with")
+    add_model(parser, "the rig that the fit was made with")
     add_output_options(parser, "FILE", "torso.vtu, .msh, .scn (SOFA) or .feb (FEBio)")
 
 
 def run(options: argparse.Namespace) -> int:
     """Writes the file and says what is in it; returns 0, or 3 when some tetrahedra are not sound."""
     check_name(options.output.name)
-    inputs = [*files_of_fit(options.fit), *files_of_model(options.model)]
-    with all_or_nothing(output_file(options, inputs)) as out:
+    with writing_file(options) as write:
         fit = read_fit_folder(options.fit, options.model)
         mesh = volume_of(fit)
-        write_private(out / options.output.name, volume_file(fit, mesh, options.output.name))
+        write(volume_file(fit, mesh, options.output.name))
         breasts = breasts_said(fit, mesh)
-    say_unchecked(options.fit)
+    say(*unchecked([options.fit]))
     litres = ", ".join(f"{name} {1e3 * mesh.volumes[mesh.inside(name)].sum():.2f} l" for name in REGIONS)
     print(
         f"{len(mesh.points)} nodes, {len(mesh.tetrahedra)} tetrahedra: {litres}; "
@@ -41,9 +37,8 @@ def run(options: argparse.Namespace) -> int:
     unsound = int((mesh.scaled_jacobian < SOUND).sum())
     if unsound:
         inverted = int((mesh.volumes <= 0.0).sum())
-        print(
-            f"breastrig: {unsound} tetrahedra have a scaled Jacobian under {SOUND} ({inverted} are inverted), "
+        say(
+            f"{unsound} tetrahedra have a scaled Jacobian under {SOUND} ({inverted} are inverted), "
             "for the fitted skin is folded there; see scaled_jacobian in a .vtu file, and look at the fit.",
-            file=sys.stderr,
         )
     return 3 if unsound else 0

@@ -6,8 +6,8 @@ DASK_DISTRIBUTED__COMM__TLS__...).
 """
 
 import argparse
-import sys
 
+from breastrig.cli.messages.say import say
 from breastrig.core.errors import BadSettings
 from breastrig.core.log_lines import set_up_logs
 from breastrig.execution.dask_worker import run_worker
@@ -30,5 +30,5 @@ def run(options: argparse.Namespace) -> int:
     set_up_logs("auto")
     stopped = run_worker(options.address, workers, lambda: print("Ready for work.", flush=True), TASK_MODULES)
     if not stopped:
-        print(f"breastrig: The scheduler at {options.address} is gone, or let this worker go.", file=sys.stderr)
+        say(f"The scheduler at {options.address} is gone, or let this worker go.")
     return 0 if stopped else 1

@@ -8,7 +8,6 @@ better than a light at the eye.  The inside of an open surface is drawn grey.  6
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
@@ -61,8 +60,6 @@ class Layer:
     vertices: Array  # (V, 3) m
     faces: Integers  # (F, 3) counter-clockwise from outside
     colours: Array | Colour = NEUTRAL  # (V, 3) or one colour, 0 to 1
-    smooth: bool = True  # normals interpolated between vertices; False: flat triangles
-    wire: Colour | None = None  # colour of the triangles' edges, when they shall be seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,10 +109,9 @@ def render(
     size: tuple[int, int] = (640, 640),
     lines: Sequence[Line] = (),
     background: Colour | None = WHITE,
-    antialias: bool = True,
 ) -> Picture:
     """(H, W, 3) picture of `size` (width, height) pixels; (H, W, 4) with alpha when `background` is None."""
-    return Scene(layers).render(view, size, lines, background, antialias)
+    return Scene(layers).render(view, size, lines, background)
 
 
 class Scene:
@@ -131,10 +127,6 @@ class Scene:
         self._colours = np.concatenate(
             [np.zeros((0, 3))] + [np.broadcast_to(np.asarray(layer.colours), layer.vertices.shape) for layer in layers]
         )
-        counts = [len(layer.faces) for layer in layers]
-        self._smooth = np.repeat([layer.smooth for layer in layers], counts)
-        self._wired = np.repeat([layer.wire is not None for layer in layers], counts)
-        self._wire = np.repeat(np.array([layer.wire or WHITE for layer in layers]).reshape(-1, 3), counts, axis=0)
         # What is mixed for each pixel has the precision of the rays: of 30,000 values one is a step of 255 off by it.
         self._colours = self._colours.astype(np.float32)
         self._flat = face_normals(self._vertices, self._faces).astype(np.float32)
@@ -147,7 +139,6 @@ class Scene:
         size: tuple[int, int] = (640, 640),
         lines: Sequence[Line] = (),
         background: Colour | None = WHITE,
-        antialias: bool = True,
         paint: Paint | None = None,
     ) -> Picture:
         """(H, W, 3) picture of `size` pixels, or (H, W, 4); see the function `render`.
@@ -161,13 +152,12 @@ class Scene:
         seen = (self._vertices - view.centre) @ view.axes.T
         box = np.stack([seen.min(axis=0), seen.max(axis=0)]) if len(seen) else np.zeros((2, 3))
         colour, depth, normal = self._shaded(view, box, x, y, pixel, paint)
-        if antialias:
-            index = np.flatnonzero(_edges(depth.reshape(height, width), normal.reshape(height, width, 3)))
-            if len(index):
-                total = np.zeros((len(index), 4))
-                for dx, dy in ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375)):
-                    total += self._shaded(view, box, x[index] + dx * pixel, y[index] + dy * pixel, pixel, paint)[0]
-                colour[index] = total / 4.0
+        index = np.flatnonzero(_edges(depth.reshape(height, width), normal.reshape(height, width, 3)))
+        if len(index):
+            total = np.zeros((len(index), 4))
+            for dx, dy in ((-0.125, -0.375), (0.375, -0.125), (-0.375, 0.125), (0.125, 0.375)):
+                total += self._shaded(view, box, x[index] + dx * pixel, y[index] + dy * pixel, pixel, paint)[0]
+            colour[index] = total / 4.0
         for line in lines:
             _draw(colour, depth, line, view, size)
         if background is None:
@@ -200,31 +190,19 @@ class Scene:
         barycentric = np.stack([1.0 - second - third, second, third], axis=1)
         corners = np.ascontiguousarray(self._faces.take(faces, axis=0).T)
         outside = (self._flat @ view.axes[2] > 0)[faces]
-        n = self._turned(view, faces, corners, barycentric)
+        n = _mixed(self._normals @ view.axes.T.astype(np.float32), corners, barycentric)
+        n /= np.maximum(np.sqrt(np.einsum("mi,mi->m", n, n)), np.float32(1e-12))[:, None]
         n[~outside] *= -1.0
         base = _mixed(self._colours, corners, barycentric)
         if paint is not None:
             places = at[hit] - distances[:, None] * view.axes[2]
             base = paint(base, places, n @ view.axes, np.stack([x[index], y[index]], axis=1) / pixel, pixel)
         base[~outside] = INSIDE
-        wired = np.flatnonzero(self._wired[faces])
-        if len(wired):
-            flattened = self._vertices[corners[:, wired].T] @ view.axes[:2].T
-            base[wired] = _with_edges(base[wired], self._wire[faces[wired]], barycentric[wired], flattened / pixel)
         colour[index, :3] = to_srgb(to_light(base) * _light(n)[:, None])
         colour[index, 3] = 1.0
         depth[index] = start - distances
         normal[index] = n
         return colour, depth, normal
-
-    def _turned(self, view: Camera, faces: Integers, corners: Integers, barycentric: Reals) -> Reals:
-        """(M, 3) unit normals in the viewer's axes."""
-        axes = view.axes.T.astype(np.float32)
-        result = _mixed(self._normals @ axes, corners, barycentric)
-        flat = np.flatnonzero(~self._smooth[faces])
-        result[flat] = (self._flat @ axes)[faces[flat]]
-        result /= np.maximum(np.sqrt(np.einsum("mi,mi->m", result, result)), np.float32(1e-12))[:, None]
-        return result
 
 
 def _mixed(values: Reals, corners: Integers, barycentric: Reals) -> Reals:
@@ -249,27 +227,6 @@ def diverging_colours(values_mm: Array, limit_mm: float = 5.0) -> Array:
     end = np.where((known < 0.0)[..., None], _INSIDE, _OUTSIDE)
     lab = _MIDDLE + strength * (end - _MIDDLE)
     return np.where(np.isnan(values)[..., None], 0.55, np.clip(_from_oklab(lab), 0.0, 1.0))
-
-
-def save_png(picture: Picture, path: Path) -> None:
-    """Writes a picture."""
-    Image.fromarray(picture).save(path, optimize=True)
-
-
-def contact_sheet(pictures: Sequence[Picture], columns: int, labels: Sequence[str] = ()) -> Picture:
-    """Pictures of one size side by side, row by row, each with its label in the upper left corner."""
-    height, width, depth = pictures[0].shape
-    rows = -(-len(pictures) // columns)
-    sheet = np.full((rows * height, columns * width, depth), 255, dtype=np.uint8)
-    for place, picture in enumerate(pictures):
-        row, column = divmod(place, columns)
-        sheet[row * height : (row + 1) * height, column * width : (column + 1) * width] = picture
-    image = Image.fromarray(sheet)
-    pen = ImageDraw.Draw(image)
-    for place, label in enumerate(labels):
-        row, column = divmod(place, columns)
-        pen.text((column * width + 8, row * height + 6), label, fill=(40, 44, 52), font_size=max(12, height // 32))
-    return np.asarray(image)
 
 
 # OKLab: blue, near white, orange
@@ -316,15 +273,6 @@ def _edges(depth: Array, normal: Array) -> Booleans:
             mask[a] |= differ
             mask[b] |= differ
     return mask
-
-
-def _with_edges(base: Reals, wire: Array, barycentric: Reals, triangles: Array) -> Reals:
-    """Colours with the edges of (M, 3, 2) triangles in pixels, about half a pixel wide on each side."""
-    sides = np.linalg.norm(np.roll(triangles, -1, axis=1) - np.roll(triangles, -2, axis=1), axis=2)
-    b, c = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    heights = np.abs(b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0])[:, None] / np.maximum(sides, 1e-12)
-    share = np.clip(1.0 - (barycentric * heights).min(axis=1), 0.0, 0.8)[:, None]
-    return np.asarray(base + share * (wire - base))
 
 
 def _draw(colour: Array, depth: Array, line: Line, view: Camera, size: tuple[int, int]) -> None:

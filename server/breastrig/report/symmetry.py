@@ -56,14 +56,8 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], joint
     to_midline = _sides(points, frame.on_plane(points))
     to_plane = ways_to_midline if joint is not None else _alone
     ways = [to_plane(place, frame, known) for place in nipples]
-    yield _row(
-        "M3",
-        "nipple to midline",
-        *_ratio(across, ways, Points(), joint),
-        names,
-        how + "nipple to median plane, across",
-        to_midline,
-    )
+    found = _ratio(across, ways, Points(), joint)
+    yield _row("M3", "nipple to midline", *found, names, how + "nipple to median plane, across", to_midline)
     members = [vertices_within(stance.rig, side) for side in SIDES]
     if any(part is None for part in members):
         return
@@ -86,25 +80,12 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], joint
         notch = known["suprasternal_notch"]
         drop = float(frame.height(notch.point)) - lowest
         to_notch = _sides(np.array(low), np.array([notch.point, notch.point]))
-        found = (str(notch), *outline)
-        yield _row(
-            "M5",
-            "lowest point to notch",
-            *_ratio(drop, [[(notch, up)]] * 2, at_lowest, joint),
-            found,
-            how + "in height",
-            to_notch,
-        )
+        found = _ratio(drop, [[(notch, up)]] * 2, at_lowest, joint)
+        yield _row("M5", "lowest point to notch", *found, (str(notch), *outline), how + "in height", to_notch)
     ends = np.array(far)
     to_middle = _sides(ends, frame.on_plane(ends))
-    yield _row(
-        "M6",
-        "lateral end to midline",
-        *_ratio(lateral, [[], []], at_lateral, joint),
-        outline,
-        how + "across",
-        to_middle,
-    )
+    found = _ratio(lateral, [[], []], at_lateral, joint)
+    yield _row("M6", "lateral end to midline", *found, outline, how + "across", to_middle)
 
 
 def _ratio(

@@ -22,11 +22,7 @@ from breastrig.report.stance import Stance
 from breastrig.rig.model import DrawnShape, Rig
 
 OUTLINE_ERROR = 0.005  # m, how far apart two raters draw the outline (Wesselius 2018: 3.5 to 6.7 mm)
-BORDER_DISTANCES = (
-    0.0,
-    0.010,
-    0.020,
-)  # m outside the outline; farther out: another slope, and the other breast
+BORDER_DISTANCES = (0.0, 0.010, 0.020)  # m outside the outline; farther out: another slope, and the other breast
 SPACING = 0.003  # m between points of the outline: well below the mesh's edges
 SMOOTHING = 1e-5  # of the spline, in units of the chest's radius: keeps points on top of each other solvable
 METHOD = (

@@ -54,9 +54,10 @@ export type AuditLine = {
 };
 
 export type AuditPage = {
+  /** address of the next page, null on the last */
+  next: string | null;
   /** the newest first */
   lines: AuditLine[];
-  next: string | null;
 };
 
 export type Bounds = {
@@ -115,7 +116,7 @@ export type CarriedShape = {
   color: string;
   /** on the scan's skin, in its frame and the drawing's unit */
   points: [number, number, number][];
-  /** true where the second scan has no skin to lie on */
+  /** true where the scan has no skin to lie on */
   bridged: boolean[];
   /** for each point the radius in millimetres that holds its true place with 90 %; null where it is not known */
   error_mm?: (number | null)[] | null;
@@ -413,10 +414,10 @@ export type FitLinks = {
 };
 
 export type FitPage = {
-  /** the newest first */
-  fits: Fit[];
   /** address of the next page, null on the last */
   next: string | null;
+  /** the newest first */
+  fits: Fit[];
 };
 
 /** A request for a fit. */
@@ -1032,10 +1033,10 @@ export type PatientLinks = {
 };
 
 export type PatientPage = {
-  /** in the order asked for */
-  patients: Patient[];
   /** address of the next page, null on the last */
   next: string | null;
+  /** in the order asked for */
+  patients: Patient[];
 };
 
 export type PatientScan = {
@@ -1697,10 +1698,10 @@ export type ScanOwner = {
 };
 
 export type ScanPage = {
-  /** the newest first */
-  scans: Scan[];
   /** address of the next page, null on the last */
   next: string | null;
+  /** the newest first */
+  scans: Scan[];
 };
 
 /** How the scan got its true size, which is that of all its places; absent where it has its file's. */
@@ -1825,10 +1826,10 @@ export type ShareOpening = {
 };
 
 export type SharePage = {
-  /** the newest first */
-  shares: Share[];
   /** address of the next page, null on the last */
   next: string | null;
+  /** the newest first */
+  shares: Share[];
 };
 
 export type ShareRequest = {

@@ -1,4 +1,4 @@
-"""What of the requests goes into the audit log: one table from endpoint to kind, and the hooks that write it.
+"""What of the requests goes into the audit log: their kinds, and the hooks that write it.
 
 A change or deletion is written before it is done, so none is done that is not written; a second line follows where it
 was refused, or made something.  Openings, exports and refusals are written when they are answered; the same person
@@ -15,7 +15,8 @@ from typing import Any
 from apiflask import APIFlask
 from flask import Response, g, request
 
-from breastrig.api.access.person import HOLDER, VISITOR, current_person
+from breastrig.api.access.person import HOLDER, VISITOR, Role, current_person
+from breastrig.api.access.roles import LEAST, SAFE_METHODS
 from breastrig.audit.deletions import Deletion, begin_deletion
 from breastrig.audit.log import AuditLog, Entry
 from breastrig.cases import layout
@@ -29,37 +30,7 @@ ONCE_S = 300.0  # openings of one thing by one person
 REMEMBERED = 20_000
 NAME_CHARACTERS = 100
 
-AUDITED = {
-    **dict.fromkeys(
-        (
-            "patients.list_patients", "patients.show_patient", "patients.show_plan", "patients.show_version",
-            "scans.list_scans", "scans.show_scan", "scans.show_mesh", "scans.show_volume",
-            "of_scans.show_landmarks", "of_scans.read_landmark_file", "of_scans.show_cuts",
-            "of_scans.propose_landmarks", "of_scans.find_ink", "drawings.show_drawing",
-            "fits.list_fits", "fits_of_scans.list_fits_of_scan", "fits.show_fit", "fits.show_iteration",
-            "fits.move_landmarks", "events.follow_fit", "events.poll_fit", "patterns.draw_pattern",
-            "patterns.measure_lengths", "plans_of_fits.show_plan_on_fit", "results.show_result",
-            "results.show_fitted_glb", "results.show_drawing", "results.show_distances", "results.show_uncertainty",
-            "results.show_checks", "reports.show_measures", "reports.show_report_page", "transfers.transfer_drawing",
-            "transfers.propose_marks", "shares.list_shares", "shares.show_share", "shared.open_share",
-            "shared.show_shared", "shared.show_result", "shared.show_fitted_glb", "shared.show_drawing",
-            "shared.show_plan", "shared.show_distances", "shared.show_mesh", "audit.list_lines", "audit.check_lines",
-            "audit.show_page",
-            "visits.show_visits", "visits.show_change", "visits.show_change_map", "visits.show_plots",
-            "visits.show_document",
-        ),
-        OPEN,
-    ),
-    **dict.fromkeys(
-        (
-            "scans.upload_scan", "scans.add_lesions", "scans.confirm_model", "meta.open_example",
-            "patients.change_patient", "persons.give_to_group", "patients.replace_plan", "owners.move",
-            "of_scans.replace_landmarks", "of_scans.replace_cuts", "of_scans.give_length", "of_scans.take_length",
-            "of_scans.drop_ink", "visits_of_scans.put_visit",
-            "drawings.replace_drawing", "fits.start_fit", "fits.cancel_fit", "fits.predict_stance",
-        ),
-        CHANGE,
-    ),
+KINDS = {  # of calls whose kind does not follow from their method and role
     **dict.fromkeys(
         (
             "results.show_result_zip", "results.show_fitted_ply", "reports.show_report", "reports.show_measures_table",
@@ -71,35 +42,23 @@ AUDITED = {
     ),
     **dict.fromkeys(("shares.make_share", "shares.remove_share", "shares.refresh", "shares.unlock"), LINK),
     **dict.fromkeys(("patients.remove_patient", "scans.remove_scan"), DELETE),
+    "shared.open_share": OPEN,
 }  # fmt: skip
-
-_PAGE = "The page's own files, which hold nothing of a patient."
 _MODEL = "The model and what is offered for all patients."
-_RUNNING = "How the service is doing; says nothing about patients."
-NOT_AUDITED = {
-    **dict.fromkeys(("page.index", "page.asset", "share_page.page", "share_page.script", "sign_in.style"), _PAGE),
-    **dict.fromkeys(("docs.show_openapi", "docs.show_docs", "docs.show_style"), _PAGE),
-    **dict.fromkeys(("models.show_model", "models.show_side", "models.show_version"), _MODEL),
-    **dict.fromkeys(("models.show_version_side", "models.show_buffer", "models.show_drawing_buffer"), _MODEL),
-    **dict.fromkeys(("meta.about", "meta.list_examples", "meta.show_protocol"), _MODEL),
-    **dict.fromkeys(("operations.health", "operations.ready", "operations.show_metrics"), _RUNNING),
-    **dict.fromkeys(
-        ("sign_in.ask", "sign_in.answer", "sign_in.leave", "sign_in.leave_for_provider", "sign_in.come_back"),
-        "Shows nothing of a patient; whatever is opened afterwards names who has signed in.",
-    ),
+NOT_AUDITED = {  # calls and whole blueprints
+    **dict.fromkeys(("page", "share_page", "docs"), "The page's own files, which hold nothing of a patient."),
+    **dict.fromkeys(("models", "meta.about", "meta.list_examples", "meta.show_protocol"), _MODEL),
+    "operations": "How the service is doing; says nothing about patients.",
+    "sign_in": "Shows nothing of a patient; whatever is opened afterwards names who has signed in.",
     "scans.show_thumbnail": "A small picture without colours, part of the list, whose opening is written.",
     "persons.stay": "Keeps a session; shows nothing of a patient.",
     "shared.close_shared": "The end of a visit, whose beginning is written.",
+}
+
+
+IDS = {  # of addresses
+    "patient_id": "patient", "scan_id": "scan", "fit_id": "fit", "share_id": "link", "deleted_id": "deleted",
 }  # fmt: skip
-
-
-IDS = {
-    "patient_id": "patient",
-    "scan_id": "scan",
-    "fit_id": "fit",
-    "share_id": "link",
-    "deleted_id": "deleted",
-}  # of addresses
 IN_BODY = {"scan": "scan", "from_fit": "fit", "to_fit": "to_fit", "patient": "to_patient"}
 NAMED_IN_BODY = ("fits.start_fit", "transfers.transfer_drawing", "transfers.propose_marks", "owners.move")
 MAKES = {  # what the id of the answer is of
@@ -113,6 +72,14 @@ MAKES = {  # what the id of the answer is of
 }
 
 
+def kind_of(endpoint: str, method: str) -> str | None:
+    """The kind of a call; None for one that is not written."""
+    if not endpoint or method == "OPTIONS" or not NOT_AUDITED.keys().isdisjoint((endpoint, endpoint.partition(".")[0])):
+        return None
+    looks = method in SAFE_METHODS or LEAST.get(endpoint) is Role.LOOK
+    return KINDS.get(endpoint, OPEN if looks else CHANGE)
+
+
 def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
     """Adds the hooks; to be registered after the guards, which refuse before anything is written."""
     opened = _Opened()
@@ -120,8 +87,8 @@ def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
     @app.before_request
     def begin() -> None:
         how = request.endpoint or ""
-        kind = AUDITED.get(how)
-        if (kind not in BEFORE and how not in SENDS) or kind is None or request.method == "OPTIONS":
+        kind = kind_of(how, request.method)
+        if kind is None or (kind not in BEFORE and how not in SENDS):
             return
         of = _of(storage)
         if kind == DELETE:
@@ -133,7 +100,7 @@ def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
     @app.after_request
     def end(response: Response) -> Response:
         how, status, started = request.endpoint or "", response.status_code, g.get("audited")
-        kind = AUDITED.get(how)
+        kind = kind_of(how, request.method)
         if isinstance(started, Deletion):
             started.ended()
         elif kind is not None:

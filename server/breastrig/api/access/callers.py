@@ -5,27 +5,26 @@ import hmac
 from flask import request
 
 from breastrig.api.access.person import HOLDER, Person
-from breastrig.api.access.session import in_session, person_in_session
+from breastrig.api.access.session import person_in_session
 from breastrig.api.config import Config
-from breastrig.api.people.people import NAME_CHARACTERS, People
+from breastrig.api.people.people import NAME_CHARACTERS
 from breastrig.api.trusted_proxy import FORWARDED
 from breastrig.storage.storage import Storage
 
 
 def caller(config: Config, storage: Storage) -> Person | None:
     """Who asks for the request at hand; None for nobody who is known."""
-    people = config.people
-    if people is None:
-        return HOLDER if config.token is None or has_token(config.token) or in_session(config.token, storage) else None
-    if config.token is not None and has_token(config.token):
+    needs_none = config.token is None and config.people is None
+    if needs_none or (config.token is not None and has_token(config.token)):
         return HOLDER
-    return person_in_browser(people, storage)
+    return person_in_browser(config, storage)
 
 
-def person_in_browser(people: People, storage: Storage) -> Person | None:
+def person_in_browser(config: Config, storage: Storage) -> Person | None:
     """Who has signed in with the browser that asks."""
-    if people.proxy_header is None:
-        return person_in_session(people, storage)
+    people = config.people
+    if people is None or people.proxy_header is None:
+        return person_in_session(config, storage)
     if FORWARDED not in request.environ:  # it does not come from the trusted proxy
         return None
     name = _only(people.proxy_header)
@@ -43,11 +42,7 @@ def has_token(token: str) -> bool:
 
 def _only(header: str) -> str:
     """The header's value; empty where it came twice: one of them may be the client's own."""
-    raw = [value for name, value in request.environ.get("asgi.scope", {}).get("headers", ()) if _is(name, header)]
-    if len(raw) > 1:
+    names = [name.decode("latin-1").lower() for name, _ in request.environ.get("asgi.scope", {}).get("headers", ())]
+    if names.count(header.lower()) > 1:
         return ""
     return request.headers.get(header, "").encode("latin-1", "replace").decode("utf-8", "replace").strip()
-
-
-def _is(raw_name: bytes, header: str) -> bool:
-    return raw_name.decode("latin-1").lower() == header.lower()

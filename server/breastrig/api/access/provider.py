@@ -7,7 +7,8 @@ some minutes and sent to `/sign-in` alone.  It is Lax, as the way back begins at
 import logging
 import secrets
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from datetime import timedelta
 from typing import TYPE_CHECKING, Any
 
@@ -123,16 +124,13 @@ class Provider:
         return found
 
 
-class _said:
+@contextmanager
+def _said() -> Iterator[None]:
     """Turns what goes wrong on the way into one sentence; the log has the kind, never a code or token."""
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _where: object) -> None:
-        if kind is None or not issubclass(kind, Exception):
-            return
-        log.warning("nobody was signed in by the provider: %s", getattr(error, "error", None) or kind.__name__)
+    try:
+        yield
+    except Exception as error:
+        log.warning("nobody was signed in by the provider: %s", getattr(error, "error", None) or type(error).__name__)
         raise NotSignedIn("The sign-in did not succeed; try again, or tell who runs this service.") from error
 
 

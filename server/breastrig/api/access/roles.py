@@ -20,6 +20,7 @@ LEAST = {  # by endpoint
     "audit.check_lines": Role.ADMINISTER,
     "audit.show_log": Role.ADMINISTER,
 }
+SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 WORDS = {Role.PLAN: "may look only", Role.ADMINISTER: "are no administrator"}
 
 
@@ -27,4 +28,4 @@ def least_role(endpoint: str, method: str) -> Role | None:
     """The role that a call needs; None for one that anybody may make."""
     if endpoint.partition(".")[0] in OPEN:
         return None
-    return LEAST.get(endpoint, Role.LOOK if method in ("GET", "HEAD", "OPTIONS") else Role.PLAN)
+    return LEAST.get(endpoint, Role.LOOK if method in SAFE_METHODS else Role.PLAN)

@@ -16,9 +16,9 @@ from flask import Response, current_app, request
 from breastrig.api.access.callers import caller
 from breastrig.api.access.person import NOBODY, current_person, groups_in_reach, is_visitor, note_person
 from breastrig.api.access.rate_limits import RateLimits
-from breastrig.api.access.roles import WORDS, least_role
+from breastrig.api.access.roles import SAFE_METHODS, WORDS, least_role
 from breastrig.api.config import Config
-from breastrig.api.errors import SENTENCES, problem, refuse, too_large
+from breastrig.api.errors import SENTENCES, refuse, too_large
 from breastrig.api.trusted_proxy import client_of
 from breastrig.execution.pool import client_key
 from breastrig.storage.storage import Storage
@@ -47,22 +47,23 @@ HEADERS = {
 USUAL_PORTS = {"http": ":80", "https": ":443"}
 NAME_BYTES = 128  # of one part of an address
 FORM_BYTES = 10_000  # of visitors' requests, and of those whose body is no JSON and no file: a token is shorter
-SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 def register_security(app: APIFlask, config: Config, storage: Storage, rates: RateLimits) -> None:
-    """Adds the guards; the first one that refuses gives the answer.  None of them needs the request's body."""
+    """Adds the guards; the first one that refuses raises the answer.  None of them needs the request's body."""
 
     @app.before_request
-    def guard() -> Response | None:
+    def guard() -> None:
         client_key.set(client_of(request.remote_addr))
-        refused = _wrong_host(config) or _foreign_origin() or _unknown(config, storage, rates) or _forbidden()
-        if refused is None:
-            _check_reach(storage)
-            _refuse_long_names()
-            _count_upload(rates)
-            refused = _limit_body(config)
-        return refused
+        _check_host(config)
+        _check_origin()
+        _check_person(config, storage, rates)
+        _check_role()
+        _check_reach(storage)
+        _check_names()
+        if _is_upload():
+            rates.check("upload")
+        _limit_body(config)
 
     @app.after_request
     def add_headers(response: Response) -> Response:
@@ -72,28 +73,25 @@ def register_security(app: APIFlask, config: Config, storage: Storage, rates: Ra
         return response
 
 
-def _wrong_host(config: Config) -> Response | None:
+def _check_host(config: Config) -> None:
     allowed = config.allowed_hosts
-    if allowed is None:
-        return None
     try:
         name = urlsplit(f"//{request.headers.get('Host', '')}").hostname
     except ValueError:
         name = None
-    if name in allowed:
-        return None
-    return problem(421, "This server answers only under its own name; open it as http://localhost with its port.")
+    if allowed is not None and name not in allowed:
+        raise refuse(421, "This server answers only under its own name; open it as http://localhost with its port.")
 
 
-def _foreign_origin() -> Response | None:
-    if request.method in SAFE_METHODS:
-        return None
-    origin = request.headers.get("Origin")
-    if origin is not None and netloc_of(origin) != netloc_of(f"{request.scheme}://{request.headers.get('Host', '')}"):
-        return problem(403, "This request comes from another web page; only BreastRig's own page may change things.")
-    if origin is None and request.headers.get("Sec-Fetch-Site") in ("cross-site", "same-site"):
-        return problem(403, "This request comes from another web page; only BreastRig's own page may change things.")
-    return None
+def _check_origin() -> None:
+    origin, own = request.headers.get("Origin"), f"{request.scheme}://{request.headers.get('Host', '')}"
+    is_foreign = (
+        request.headers.get("Sec-Fetch-Site") in ("cross-site", "same-site")
+        if origin is None
+        else netloc_of(origin) != netloc_of(own)
+    )
+    if is_foreign and request.method not in SAFE_METHODS:
+        raise refuse(403, "This request comes from another web page; only BreastRig's own page may change things.")
 
 
 def netloc_of(origin: str) -> str:
@@ -105,32 +103,28 @@ def netloc_of(origin: str) -> str:
     return parts.netloc.lower().removesuffix(USUAL_PORTS[parts.scheme]) if parts.scheme in USUAL_PORTS else ""
 
 
-def _unknown(config: Config, storage: Storage, rates: RateLimits) -> Response | None:
-    """The refusal of nobody who is known; None for the right token, however many wrong ones came before."""
+def _check_person(config: Config, storage: Storage, rates: RateLimits) -> None:
+    """Notes who asks, refuses nobody who is known; the right token passes however many wrong ones came before."""
     if config.people is not None:
         note_person(NOBODY)
     if not request.path.startswith("/api/") or is_visitor():
-        return None
+        return
     person = caller(config, storage)
-    if person is not None:
-        note_person(person)
-        return None
-    count_guess(rates)
-    detail = (
-        "This service needs its token: sign in at /sign-in, or send it as a bearer in the Authorization header."
-        if config.people is None
-        else "Nobody is signed in; sign in at /sign-in."
-    )
-    return problem(401, detail, headers={"WWW-Authenticate": "Bearer"})
+    if person is None:
+        count_guess(rates)
+        detail = (
+            "This service needs its token: sign in at /sign-in, or send it as a bearer in the Authorization header."
+            if config.people is None
+            else "Nobody is signed in; sign in at /sign-in."
+        )
+        raise refuse(401, detail, {"WWW-Authenticate": "Bearer"})
+    note_person(person)
 
 
-def _forbidden() -> Response | None:
-    """The refusal of a call that the person's role does not allow."""
+def _check_role() -> None:
     least = None if request.endpoint is None else least_role(request.endpoint, request.method)
-    person = current_person()
-    if least is None or person.role.includes(least):
-        return None
-    return problem(403, f"You {WORDS[least]}; ask an administrator of your clinic for more.")
+    if least is not None and not current_person().role.includes(least):
+        raise refuse(403, f"You {WORDS[least]}; ask an administrator of your clinic for more.")
 
 
 def _check_reach(storage: Storage) -> None:
@@ -153,22 +147,17 @@ def count_guess(rates: RateLimits) -> None:
         rates.check("bearer of anybody", "anybody")
 
 
-def _refuse_long_names() -> None:
+def _check_names() -> None:
     """No id, and no file of the page, has so long a name; to the disk it would be an error, not an unknown name."""
     if any(len(part.encode()) > NAME_BYTES for part in request.path.split("/")):
         raise refuse(404, SENTENCES[404])
-
-
-def _count_upload(rates: RateLimits) -> None:
-    if _is_upload():
-        rates.check("upload")
 
 
 def _is_upload() -> bool:
     return (request.endpoint, request.method) == ("scans.upload_scan", "POST")
 
 
-def _limit_body(config: Config) -> Response | None:
+def _limit_body(config: Config) -> None:
     """Refuses a wrong content type or too large a body before any of it is read."""
     view = current_app.view_functions.get(request.endpoint or "")
     expected = getattr(view, "_spec", {}).get("content_type") if view else None
@@ -179,9 +168,8 @@ def _limit_body(config: Config) -> Response | None:
     }
     request.max_content_length = largest.get(expected, FORM_BYTES) if takes_body else FORM_BYTES
     if "Transfer-Encoding" in request.headers:
-        return problem(411, "Send the body with its length (Content-Length), not in chunks.")
+        raise refuse(411, "Send the body with its length (Content-Length), not in chunks.")
     if request.content_length is not None and request.content_length > request.max_content_length:
-        return problem(413, too_large(request.max_content_length))
+        raise refuse(413, too_large(request.max_content_length))
     if takes_body and request.mimetype != expected:
-        return problem(415, f"Send the body as {expected}, not {request.mimetype or 'without a content type'}.")
-    return None
+        raise refuse(415, f"Send the body as {expected}, not {request.mimetype or 'without a content type'}.")

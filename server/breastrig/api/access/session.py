@@ -16,80 +16,68 @@ nobody but the server can sign them; by more they are too old, so that none outl
 import hashlib
 import re
 import secrets
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
-from typing import Any
 
 from flask import Response, request
 from itsdangerous import BadData, URLSafeTimedSerializer
 
-from breastrig.api.access.person import Person, Role
-from breastrig.api.people.people import People
+from breastrig.api.access.person import HOLDER, Person, Role
+from breastrig.api.config import Config
 from breastrig.core import wall_clock
 from breastrig.storage.documents.ended_sessions import add_ended_session, has_ended
 from breastrig.storage.storage import Storage, iso_utc
 
 COOKIE = "breastrig_session"
 LASTS_S = 12 * 3600  # a working day; then the token is asked for again
-LASTS = timedelta(seconds=LASTS_S)
 AHEAD_S = 12 * 3600  # a clock that took local time for UTC is wrong by no more
 FORGET_S = 400 * 86400  # far above both, as the clock that says when to forget may be wrong too
 
 
-def start_session(response: Response, token: str) -> None:
-    """Scripts cannot read the cookie, other sites' pages cannot make the browser send it."""
-    value = _signer(token).dumps(secrets.token_urlsafe(16))
-    response.set_cookie(
-        cookie_name(), value, max_age=LASTS_S, path="/", secure=request.is_secure, httponly=True, samesite="Strict"
-    )
+@dataclass(frozen=True)
+class _Session:
+    """What a valid signature says."""
+
+    number: str
+    began: datetime
+    seen: datetime
+    person: Person
+
+    @property
+    def sha256(self) -> str:
+        return hashlib.sha256(self.number.encode()).hexdigest()
 
 
-def start_persons_session(response: Response, people: People, person: Person) -> None:
+def start_session(response: Response, config: Config, person: Person = HOLDER) -> None:
     """A session of its own for each sign-in, whatever cookie the browser had before."""
-    began = int(wall_clock.now().timestamp())
-    _set_persons(
-        response, people, [secrets.token_urlsafe(16), began, person.id, person.name, person.role, person.groups]
-    )
+    _set(response, config, secrets.token_urlsafe(16), None, person)
 
 
-def keep_session(response: Response, people: People, storage: Storage) -> None:
+def keep_session(response: Response, config: Config, storage: Storage) -> None:
     """Somebody is at the page: the session is idle from now on, and as old as it was."""
-    found = _persons(people)
-    if found is not None and person_in_session(people, storage) is not None:
-        _set_persons(response, people, found[0])
+    found = _session(config)
+    if found is not None and person_in_session(config, storage) is not None:
+        _set(response, config, found.number, int(found.began.timestamp()), found.person)
 
 
-def person_in_session(people: People, storage: Storage) -> Person | None:
-    """The person who has signed in with the browser, is not signed out, and was at the page lately."""
-    found = _persons(people)
+def person_in_session(config: Config, storage: Storage) -> Person | None:
+    """Who has signed in with the browser, is not signed out, and with `--users` was at the page lately."""
+    found, now = _session(config), wall_clock.now()
     if found is None:
         return None
-    (number, began, person_id, name, role, groups), seen = found
-    began_at = datetime.fromtimestamp(began, UTC)
-    idle = wall_clock.now() - seen
-    is_new = -AHEAD_S <= idle.total_seconds() <= 60 * people.idle_minutes and wall_clock.now() - began_at <= LASTS
-    if not is_new or has_ended(storage, _sha256(number), iso_utc(began_at)):
+    longest = LASTS_S if config.people is None else 60 * config.people.idle_minutes
+    is_new = -AHEAD_S <= (now - found.seen).total_seconds() <= longest
+    if not is_new or (now - found.began).total_seconds() > LASTS_S:
         return None
-    return Person(person_id, name, Role(role), tuple(groups))
+    return None if has_ended(storage, found.sha256, iso_utc(found.began)) else found.person
 
 
-def end_session(response: Response, token: str | None, people: People | None, storage: Storage) -> None:
+def end_session(response: Response, config: Config, storage: Storage) -> None:
     """Removes the cookie, and ends the sessions of its copies."""
-    if people is not None:
-        persons = _persons(people)
-        ended = None if persons is None else _sha256(persons[0][0])
-    else:
-        session = None if token is None else _session(token)
-        ended = None if session is None else session[0]
-    if ended is not None:
-        now = wall_clock.now()
-        add_ended_session(storage, ended, iso_utc(now), iso_utc(now - timedelta(seconds=FORGET_S)))
+    found, now = _session(config), wall_clock.now()
+    if found is not None:
+        add_ended_session(storage, found.sha256, iso_utc(now), iso_utc(now - timedelta(seconds=FORGET_S)))
     response.delete_cookie(cookie_name(), path="/", secure=request.is_secure, httponly=True, samesite="Strict")
-
-
-def in_session(token: str, storage: Storage) -> bool:
-    """Whether the request comes from a browser that has signed in with this token and not out again."""
-    session = _session(token)
-    return session is not None and not has_ended(storage, *session)
 
 
 def cookie_name() -> str:
@@ -98,42 +86,39 @@ def cookie_name() -> str:
     return f"{COOKIE}_{port[1]}" if port else COOKIE
 
 
-def _session(token: str) -> tuple[str, str] | None:
-    """The session's identifier and its start; None without a valid signed cookie that is not too old."""
-    value = request.cookies.get(cookie_name())
-    if value is None:
+def _session(config: Config) -> _Session | None:
+    """That of the request's cookie, however old; None without a cookie that this service has signed."""
+    signer = _signer(config)
+    if signer is None:
         return None
     try:
-        number, signed_at = _signer(token).loads(value, return_timestamp=True)
+        content, seen = signer.loads(request.cookies.get(cookie_name(), ""), return_timestamp=True)
     except BadData:
         return None
-    if not -AHEAD_S <= (wall_clock.now() - signed_at).total_seconds() <= LASTS_S:
-        return None
-    return _sha256(number), iso_utc(signed_at)
+    number, began, person_id, name, role, groups = content
+    began_at = seen if began is None else datetime.fromtimestamp(began, UTC)
+    return _Session(number, began_at, seen, Person(person_id, name, Role(role), tuple(groups)))
 
 
-def _set_persons(response: Response, people: People, session: list[Any]) -> None:
-    """Without a time: it ends with the browser, or before."""
-    value = _persons_signer(people).dumps(session)
-    response.set_cookie(cookie_name(), value, path="/", secure=request.is_secure, httponly=True, samesite="Strict")
+def _set(response: Response, config: Config, number: str, began: int | None, person: Person) -> None:
+    """Scripts cannot read the cookie, other sites' pages cannot make the browser send it.
+
+    A person's is without a time: it ends with the browser, or before.
+    """
+    signer = _signer(config)
+    assert signer is not None
+    response.set_cookie(
+        cookie_name(),
+        signer.dumps([number, began, person.id, person.name, person.role, person.groups]),
+        max_age=LASTS_S if config.people is None else None,
+        path="/",
+        secure=request.is_secure,
+        httponly=True,
+        samesite="Strict",
+    )
 
 
-def _persons(people: People) -> tuple[list[Any], datetime] | None:
-    """The content of a signed cookie, and when it was signed."""
-    try:
-        content, seen = _persons_signer(people).loads(request.cookies.get(cookie_name(), ""), return_timestamp=True)
-    except BadData:
-        return None
-    return content, seen
-
-
-def _persons_signer(people: People) -> URLSafeTimedSerializer:
-    return URLSafeTimedSerializer(people.key, salt="breastrig session of a person")
-
-
-def _sha256(number: object) -> str:
-    return hashlib.sha256(str(number).encode()).hexdigest()
-
-
-def _signer(token: str) -> URLSafeTimedSerializer:
-    return URLSafeTimedSerializer(token, salt="breastrig session")
+def _signer(config: Config) -> URLSafeTimedSerializer | None:
+    """None where nobody signs in."""
+    key = config.token if config.people is None else config.people.key
+    return None if key is None else URLSafeTimedSerializer(key, salt="breastrig session of a person")

@@ -1,7 +1,6 @@
 """Who may sign in, as the file of `breastrig serve --users FILE` says: where they are known from, and their groups."""
 
 import secrets
-import tomllib
 from collections.abc import Collection
 from dataclasses import dataclass
 from enum import StrEnum
@@ -9,9 +8,10 @@ from pathlib import Path
 from typing import Annotated, Literal
 from urllib.parse import urlsplit
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, ValidationError, model_validator
+from pydantic import AfterValidator, Field, SecretStr, model_validator
 
 from breastrig.core.errors import BadSettings
+from breastrig.core.settings_file import SettingsPart, checked, read_toml
 
 HERE = ("localhost", "127.0.0.1", "::1")  # where a provider may be asked without TLS
 NAME_CHARACTERS = 200
@@ -48,11 +48,7 @@ def _checked_issuer(issuer: str) -> str:
     return issuer
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Group(_Part):
+class Group(SettingsPart):
     """A group of people."""
 
     role: Role | None = Field(None, description="that its members have; without one it only owns patients")
@@ -63,7 +59,7 @@ class Group(_Part):
 GroupName = Annotated[str, Field(pattern=Plain, max_length=60)]
 
 
-class People(_Part):
+class People(SettingsPart):
     """The file, checked."""
 
     issuer: Annotated[str, AfterValidator(_checked_issuer)] | None = None
@@ -126,19 +122,7 @@ class People(_Part):
 
 def read_people(file: Path) -> People:
     """The people of a file.  Raises BadSettings with what is wrong in it."""
-    try:
-        with file.open("rb") as source:
-            people = People.model_validate(tomllib.load(source))
-    except OSError as error:
-        raise BadSettings(f"The file of users {file} cannot be read ({error.strerror}).") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise BadSettings(f"The file of users {file} is not TOML; see docs/how-to/people.md.") from error
-    except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        where = ".".join(map(str, first["loc"]))
-        raise BadSettings(
-            f"{file}: {where + ': ' if where else ''}{first['msg'].removeprefix('Value error, ')}."
-        ) from None
+    people = checked(People, read_toml(file, "users", "see docs/how-to/people.md"), str(file))
     if people.client_secret_file is not None and not people.client_secret_file.is_absolute():
         people = people.model_copy(update={"client_secret_file": file.parent / people.client_secret_file})
     people.secret()

@@ -2,7 +2,7 @@
 
 from apiflask import APIBlueprint
 
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import service, storage
 from breastrig.api.place_checks import check_near_scan
 from breastrig.api.routes.scans.scans import TAG
 from breastrig.api.whose import check_whose
@@ -38,13 +38,12 @@ def replace_drawing(scan_id: str, json_data: OwnDrawing, query_data: SamePatient
     of the scan's skin, but for points over a hole (`bridged`).  They become items of the patient's plan, whose other
     items stay; a line that keeps its name keeps its id.
     """
-    storage = app_context().service.storage
     scan = get_scan(storage, scan_id)
     patient = patient_of_scan(storage, scan_id)
     check_whose(json_data.model_dump(mode="json"), [patient], query_data.same_patient)
     for shape in json_data.shapes:
         check_near_scan(shape.name, shape.points, scan)
-    app_context().service.skin_checks.check(scan, [shape.model_dump(mode="json") for shape in json_data.shapes])
+    service.skin_checks.check(scan, [shape.model_dump(mode="json") for shape in json_data.shapes])
     ids = {line["name"]: line["id"] for line in _lines_on(scan_id)}
     items = [
         line_item(shape.model_dump(), ids.get(shape.name, f"line-{place}"), scan_id)
@@ -56,6 +55,5 @@ def replace_drawing(scan_id: str, json_data: OwnDrawing, query_data: SamePatient
 
 
 def _lines_on(scan_id: str) -> list[dict[str, str]]:
-    storage = app_context().service.storage
     plan = get_plan(storage, patient_of_scan(storage, scan_id))
     return [item for item in plan.items if item["kind"] == "line" and item.get("scan") == scan_id]

@@ -11,7 +11,7 @@ from typing import Any
 from apiflask import APIBlueprint
 from flask import Response, request
 
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import config, service, storage
 from breastrig.api.errors import refuse
 from breastrig.api.language import current_language, event_said
 from breastrig.api.routes.fits import FITS_TAG
@@ -49,24 +49,21 @@ def follow_fit(fit_id: str, query_data: wire.EventQuery) -> Response:
     as heartbeats, and closes after done, failed or cancelled.  While the fit waits, an event `queued` without an
     `id:` says its `position` in the queue (1: the next to run) each time that it changes.
     """
-    context = app_context()
     after = max(query_data.after, _last_event_id())
-    fit = get_fit(context.service.storage, fit_id)
+    fit = get_fit(storage, fit_id)
     if fit.ended and fit.last_event <= after:
         return Response(status=204)
-    if not context.service.streams.acquire(blocking=False):
+    if not service.streams.acquire(blocking=False):
         raise refuse(
             503, "Too many event streams are open; ask events.json instead, or try again later.", {"Retry-After": "5"}
         )
     gone = request.environ.get("asgi.scope", {}).get(GONE)
     response = Response(
-        _lines(
-            context.service.follow(fit_id, after, context.config.heartbeat_s, gone and gone.is_set), current_language()
-        ),
+        _lines(service.follow(fit_id, after, config.heartbeat_s, gone and gone.is_set), current_language()),
         mimetype="text/event-stream",
         headers=STREAM_HEADERS,
     )
-    response.call_on_close(context.service.streams.release)
+    response.call_on_close(service.streams.release)
     return response
 
 
@@ -79,7 +76,6 @@ def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
 
     The list is complete when `state` has ended and `next` is null.
     """
-    storage = app_context().service.storage
     state = get_fit(storage, fit_id).state  # first, so that an ended state comes with all of its events
     limit = query_data.limit
     found = events_after(storage, fit_id, query_data.after, limit + 1)
@@ -94,20 +90,18 @@ def poll_fit(fit_id: str, query_data: wire.EventPageQuery) -> Response:
 
 def _lines(news: Iterator[Sequence[StreamItem]], language: str) -> Iterator[bytes]:
     """The stream's bytes; events that are known at once are sent at once, so a late reader gets few pieces."""
-    parts = [b"retry: %d\n\n" % RECONNECT_MS]
-    size = len(parts[0])
+    text = bytearray(b"retry: %d\n\n" % RECONNECT_MS)
     for together in news:
         for item in together:
-            parts.append(_text(item, language))
-            size += len(parts[-1])
-            if size >= TOGETHER:
-                yield b"".join(parts)
-                parts, size = [], 0
-        if parts:
-            yield b"".join(parts)
-        parts, size = [], 0
-    if parts:
-        yield b"".join(parts)
+            text += _text(item, language)
+            if len(text) >= TOGETHER:
+                yield bytes(text)
+                text.clear()
+        if text:
+            yield bytes(text)
+            text.clear()
+    if text:
+        yield bytes(text)
 
 
 def _text(item: StreamItem, language: str) -> bytes:

@@ -9,7 +9,7 @@ from apiflask import APIBlueprint
 from flask import Response, request
 
 from breastrig.api.answers import GLTF, PERSONAL, bytes_answer, file_of
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import app_context, service, storage
 from breastrig.api.errors import refuse
 from breastrig.api.place_checks import check_landmarks
 from breastrig.api.trusted_proxy import client_of
@@ -47,7 +47,6 @@ def start_fit(
     With `start_from` a fit goes on from an earlier one of the same scan: for when a landmark was moved.
     """
     context = app_context()
-    storage = context.service.storage
     facts = get_scan(storage, json_data.scan).facts
     rig = context.model_of(facts).rig
     presets = preset_names()
@@ -57,7 +56,7 @@ def start_fit(
         asked_drawing(rig, json_data.drawing)
     if json_data.start_from is not None:
         _check_start(json_data, json_data.start_from)
-    fit_id = context.service.add_fit(
+    fit_id = service.add_fit(
         _new_fit(json_data),
         _once(headers_data.idempotency_key, json_data),
         client=client_of(request.remote_addr),
@@ -68,7 +67,7 @@ def start_fit(
 
 
 def _check_start(asked: wire.FitRequest, start_from: str) -> None:
-    earlier = get_fit(app_context().service.storage, start_from)
+    earlier = get_fit(storage, start_from)
     if earlier.scan != asked.scan or earlier.predicted_from is not None:
         raise BadSettings("A fit goes on from a fit of the same scan; leave `start_from` out for another one.")
     if earlier.state != "done":
@@ -77,7 +76,7 @@ def _check_start(asked: wire.FitRequest, start_from: str) -> None:
 
 def _new_fit(asked: wire.FitRequest) -> NewFit:
     context = app_context()
-    scan = get_scan(context.service.storage, asked.scan)
+    scan = get_scan(storage, asked.scan)
     picks = _picks(scan, asked)
     check_landmarks(picks, scan, context.model_of(scan.facts))
     return NewFit(
@@ -89,7 +88,7 @@ def _new_fit(asked: wire.FitRequest) -> NewFit:
         certain=picks.certain,
         confidence=picks.confidence,
         marks_mm=picks.marks_mm,
-        cuts=get_cuts(context.service.storage, scan.id),
+        cuts=get_cuts(storage, scan.id),
         scale=scan.facts.get("scale", {}).get("factor", 1.0),
         refine=asked.refine,
         start_from=asked.start_from,
@@ -102,10 +101,10 @@ def _picks(scan: StoredScan, asked: wire.FitRequest) -> Picks:
     said: dict[str, Any] = {} if asked.certain is None else {"certain": tuple(asked.certain)}
     said |= {} if asked.confidence is None else {"confidence": asked.confidence}
     brought = asked.landmarks is not None
-    stored = get_landmarks(context.service.storage, scan.id)
+    stored = get_landmarks(storage, scan.id)
     picks = Picks(asked.landmarks or {}, marks_mm=stored.marks_mm) if brought else stored
     said |= {} if asked.marks is None else {"marks_mm": asked.marks}
-    return context.service.proposals.agreed(scan.id, context.model_of(scan.facts).rig.sha256, replace(picks, **said))
+    return service.proposals.agreed(scan.id, context.model_of(scan.facts).rig.sha256, replace(picks, **said))
 
 
 def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
@@ -126,9 +125,8 @@ def predict_stance(fit_id: str, json_data: wire.PredictionRequest) -> tuple[wire
     It is a fit of the same scan, marked `predicted_from`, with the events, files, plan and report of one; its
     uncertainty says how far off it may be.  The same prediction is made once, however often it is asked for.
     """
-    context = app_context()
-    made = context.service.add_prediction(fit_id, json_data.stance, client_of(request.remote_addr))
-    cuts = cuts_digest(get_fit(context.service.storage, made).cuts)
+    made = service.add_prediction(fit_id, json_data.stance, client_of(request.remote_addr))
+    cuts = cuts_digest(get_fit(storage, made).cuts)
     answer = wire.FitAccepted(id=made, links=fit_links(made), cuts=cuts)
     return answer, 202, {"Location": answer.links.self}
 
@@ -148,12 +146,11 @@ def list_fits(query_data: wire.PageQuery) -> wire.FitPage:
 @fits_of_scans.doc(operation_id="listFitsOfScan")
 def list_fits_of_scan(scan_id: str, query_data: wire.PageQuery) -> wire.FitPage:
     """The fits of a scan, the newest first"""
-    get_scan(app_context().service.storage, scan_id)
+    get_scan(storage, scan_id)
     return _page(f"/api/scans/{scan_id}/fits", query_data, scan_id)
 
 
 def _page(address: str, query: wire.PageQuery, scan_id: str | None) -> wire.FitPage:
-    storage = app_context().service.storage
     rows, before = fits_page(storage, query.limit, query.before, scan_id)
     more = query.next_page(address, before=before)
     return wire.FitPage(fits=_answers(rows), next=more)
@@ -164,7 +161,7 @@ def _page(address: str, query: wire.PageQuery, scan_id: str | None) -> wire.FitP
 @fits.doc(operation_id="getFit")
 def show_fit(fit_id: str) -> wire.Fit:
     """State and last numbers of a fit"""
-    return fit_answer(get_fit(app_context().service.storage, fit_id))
+    return fit_answer(get_fit(storage, fit_id))
 
 
 @fits.post("/<fit_id>/cancel")
@@ -175,7 +172,7 @@ def cancel_fit(fit_id: str) -> tuple[wire.Fit, int]:
 
     A fit that is already cancelled stays so; one that is done or failed gives 409.
     """
-    return fit_answer(app_context().service.cancel_fit(fit_id)), 202
+    return fit_answer(service.cancel_fit(fit_id)), 202
 
 
 @fits.post("/<fit_id>/moved")
@@ -190,10 +187,10 @@ def move_landmarks(fit_id: str, json_data: wire.MovedLandmarks) -> wire.MovedMod
     start a fit when the drag has ended.
     """
     context = app_context()
-    scan = get_scan(context.service.storage, get_fit(context.service.storage, fit_id).scan)
-    model = context.model_with(context.service.models.sha256_of(fit_id))
+    scan = get_scan(storage, get_fit(storage, fit_id).scan)
+    model = context.model_with(service.models.sha256_of(fit_id))
     check_landmarks(Picks(json_data.landmarks), scan, model)
-    moved = context.service.moving.landmarks(fit_id, json_data.landmarks)
+    moved = service.moving.landmarks(fit_id, json_data.landmarks)
     return wire.MovedModel.model_validate(moved)
 
 
@@ -208,9 +205,8 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
     from breastrig.gltf.pose_nodes import posed_by_nodes
 
     context = app_context()
-    storage = context.service.storage
     fit = get_fit(storage, fit_id)
-    model = context.model_with(context.service.models.sha256_of(fit.id))
+    model = context.model_with(service.models.sha256_of(fit.id))
     found = _stored_iteration(storage, fit, iteration)
     x = posed_by_nodes(model.rig, [node.model_dump() for node in found.nodes], found.modes)
     shown = next((drawing for drawing in model.rig.drawings if drawing.name == fit.drawing), None)
@@ -220,26 +216,7 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
 
 
 def fit_links(fit_id: str) -> wire.FitLinks:
-    place = f"/api/fits/{fit_id}"
-    return wire.FitLinks(
-        self=place,
-        events=f"{place}/events",
-        result=f"{place}/result.json",
-        result_zip=f"{place}/result.zip",
-        fitted_glb=f"{place}/fitted.glb",
-        fitted_ply=f"{place}/fitted.ply",
-        drawing=f"{place}/drawing.json",
-        distances=f"{place}/distances.bin",
-        uncertainty=f"{place}/uncertainty.bin",
-        checks=f"{place}/checks",
-        plan=f"{place}/plan.json",
-        report=f"{place}/report.pdf",
-        measures=f"{place}/measures.json",
-        cancel=f"{place}/cancel",
-        moved=f"{place}/moved",
-        shares=f"{place}/shares",
-        predictions=f"{place}/predictions",
-    )
+    return wire.FitLinks.at(f"/api/fits/{fit_id}")
 
 
 def fit_answer(row: StoredFit) -> wire.Fit:
@@ -250,7 +227,7 @@ def fit_answer(row: StoredFit) -> wire.Fit:
 def _answers(rows: Sequence[StoredFit]) -> list[wire.Fit]:
     """The stored rows as the API shows them, by one query however many they are."""
     waiting = [row.id for row in rows if row.state == "queued"]
-    positions = queue_positions(app_context().service.storage, waiting) if waiting else {}
+    positions = queue_positions(storage, waiting) if waiting else {}
     return [
         wire.Fit.of(
             row,

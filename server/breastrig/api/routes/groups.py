@@ -1,7 +1,7 @@
 """Groups of people: which one owns a new patient, and what is said of them to who asks."""
 
 from breastrig.api.access.person import Role, current_person
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import config
 from breastrig.api.wire import persons as wire
 from breastrig.core.errors import BadSettings, unknown_name
 
@@ -11,7 +11,7 @@ def group_for_new(asked: str | None) -> str | None:
 
     Raises 403 for who is in no group, BadSettings where one of several has to be named, and for one that is not theirs.
     """
-    people, person = app_context().config.people, current_person()
+    people, person = config.people, current_person()
     if people is None:
         return None
     is_administrator = person.role is Role.ADMINISTER
@@ -27,15 +27,12 @@ def group_for_new(asked: str | None) -> str | None:
 
 def caller_answer() -> wire.Caller | None:
     """Who asks, as the page shows it; None where there are no users."""
-    people, person = app_context().config.people, current_person()
+    people, person = config.people, current_person()
     if people is None:
         return None
     is_administrator = person.role is Role.ADMINISTER
-    return wire.Caller(
-        id=person.id,
-        name=person.name,
-        role=person.role,
-        groups=list(person.groups),
+    return wire.Caller.of(
+        person,
         all_groups=list(people.groups) if is_administrator else [],
         idle_minutes=people.idle_minutes if people.proxy_header is None else None,
     )

@@ -4,7 +4,7 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.answers import CHECK_AGAIN, PDF, bytes_answer, file_of
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import app_context, config, service
 from breastrig.api.language import current_language, in_language
 from breastrig.api.routes.groups import caller_answer, group_for_new
 from breastrig.api.routes.scans.scans import scan_answer
@@ -29,9 +29,9 @@ meta = APIBlueprint("meta", __name__, tag={"name": "meta", "description": "Versi
 def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
     """Version, limits of use, limits of size, the model"""
     context = app_context()
-    models = context.service.models
+    models = service.models
     rig = context.model_of(models.facts_of(query_data.model)).rig
-    uploads = context.config.uploads
+    uploads = config.uploads
     return wire_meta.Meta(
         name="BreastRig",
         version=__version__,
@@ -40,7 +40,7 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
             upload_bytes=uploads.file_bytes,
             zip_bytes=uploads.zip_bytes,
             triangles=uploads.triangles,
-            keep_days=context.config.keep_days,
+            keep_days=config.keep_days,
         ),
         scan_files=wire_meta.ScanFiles(endings=list(ENDINGS)),
         units=list(wire.UNITS),
@@ -60,7 +60,7 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
         ],
         patterns=pattern_forms(rig),
         person=caller_answer(),
-        archives=list(context.config.archives),
+        archives=list(config.archives),
     )
 
 
@@ -68,7 +68,7 @@ def about(query_data: wire_meta.MetaQuery) -> wire_meta.Meta:
 @meta.doc(operation_id="getScanProtocol", responses={200: file_of(PDF, "One A4 page")})
 def show_protocol() -> Response:
     """A page to print for taking scans with marks"""
-    return in_language(bytes_answer(app_context().service.reports.protocol(current_language()), PDF, CHECK_AGAIN))
+    return in_language(bytes_answer(service.reports.protocol(current_language()), PDF, CHECK_AGAIN))
 
 
 @meta.get("/api/examples")
@@ -76,9 +76,7 @@ def show_protocol() -> Response:
 @meta.doc(operation_id="listExamples")
 def list_examples() -> wire_meta.Examples:
     """The example patient's scans"""
-    return wire_meta.Examples(
-        examples=[wire_meta.ExampleEntry.of(one) for one in app_context().service.uploads.examples()]
-    )
+    return wire_meta.Examples(examples=[wire_meta.ExampleEntry.of(one) for one in service.uploads.examples()])
 
 
 @meta.post("/api/examples/<name>")
@@ -87,7 +85,7 @@ def list_examples() -> wire_meta.Examples:
 @meta.doc(operation_id="openExample")
 def open_example(name: str, query_data: GroupQuery) -> tuple[wire_meta.ExampleScan, int, dict[str, str]]:
     """Open an example as if it had been uploaded"""
-    row, points_mm = app_context().service.uploads.add_example(name, group_for_new(query_data.group))
+    row, points_mm = service.uploads.add_example(name, group_for_new(query_data.group))
     scan = scan_answer(row)
     landmarks = wire.LandmarkFile(landmarks=points_mm)
     answer = wire_meta.ExampleScan(**scan.model_dump(), example_landmarks=landmarks)

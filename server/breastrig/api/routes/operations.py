@@ -11,7 +11,7 @@ from flask import Response, request
 
 from breastrig.api.access.callers import has_token
 from breastrig.api.access.security import count_guess
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import app_context, config, service
 from breastrig.api.config import is_loopback
 from breastrig.api.errors import refuse
 from breastrig.api.trusted_proxy import FORWARDED
@@ -40,7 +40,7 @@ def ready() -> wire_meta.Readiness:
 
     The index can be written, the workers answer, the model can be read.
     """
-    troubles = app_context().service.readiness.troubles()
+    troubles = service.readiness.troubles()
     if not app_context().model.is_still_there():
         troubles = (*troubles, "The model's file is gone or another one.")
     if troubles:
@@ -55,7 +55,7 @@ def show_metrics() -> Response:
 
     Where the service stands behind a proxy, to whoever brings its token as a bearer.
     """
-    token = app_context().config.token
+    token = config.token
     from_here = FORWARDED not in request.environ and is_loopback(request.remote_addr or "")
     if not from_here and (token is None or not has_token(token)):
         count_guess(app_context().rates)

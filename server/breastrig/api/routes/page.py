@@ -10,8 +10,8 @@ from werkzeug.security import safe_join
 
 from breastrig.api.access.callers import caller
 from breastrig.api.answers import BINARY, CHECK_AGAIN, FOR_EVER, public_answer
-from breastrig.api.app_context import app_context
-from breastrig.api.routes.sign_in import sign_in_with
+from breastrig.api.app_context import config, storage
+from breastrig.api.routes.sign_in import lead_to, sign_in_with
 from breastrig.core.assets import asset_folder
 
 page = Blueprint("page", __name__)
@@ -40,18 +40,17 @@ def index() -> Response:
     With the token in it, the address begins a session.  Without a session the page could show nothing but errors: then
     the sign-in page comes first.
     """
-    context = app_context()
     given = request.args.get("token")
-    has_session = caller(context.config, context.service.storage) is not None
+    has_session = caller(config, storage) is not None
     if given is not None and not has_session:
         return sign_in_with(given)
     if given is not None:
-        return Response(status=303, headers={"Location": "/", "Cache-Control": "no-store"})
+        return lead_to("/")
     if not has_session and request.headers.get("Sec-Fetch-Site") == "cross-site":
         # A link or file led here: the browser sends our cookie only when our own page asks.
         return Response(mimetype="text/html", headers={"Refresh": "0; url=/", "Cache-Control": "no-store"})
     if not has_session:
-        return Response(status=303, headers={"Location": "/sign-in", "Cache-Control": "no-store"})
+        return lead_to("/sign-in")
     folder = _folder()
     if not (folder / "index.html").is_file():
         return Response(NOT_BUILT, 503, mimetype="text/html", headers={"Cache-Control": "no-store"})
@@ -65,7 +64,7 @@ def asset(name: str) -> Response:
 
 
 def _folder() -> Path:
-    return app_context().config.web or asset_folder("web")
+    return config.web or asset_folder("web")
 
 
 def _file(folder: Path, name: str, caching: str) -> Response:

@@ -9,12 +9,13 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.answers import JSON, PERSONAL, browser_forgets, bytes_answer
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import app_context, config, service, storage
 from breastrig.api.errors import refuse
 from breastrig.api.place_checks import check_near_scan, scale_of
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.whose import check_whose
 from breastrig.api.wire import patients as wire
+from breastrig.api.wire.common import IfMatch
 from breastrig.cases.plans import times
 from breastrig.cases.writing import Changed
 from breastrig.core.errors import BadDrawing
@@ -55,7 +56,7 @@ def list_patients(query_data: wire.PatientQuery) -> wire.PatientPage:
     """The patients, page by page"""
     asked = query_data
     last = None if asked.before is None else (asked.after, asked.before)
-    rows, before = listed_page(app_context().service.storage, asked.limit, last, asked.search, asked.sort)
+    rows, before = listed_page(storage, asked.limit, last, asked.search, asked.sort)
     after, number = before or (None, None)
     more = asked.next_page("/api/patients", after=after, before=number)
     return wire.PatientPage(patients=[_answer(row) for row in rows], next=more)
@@ -78,7 +79,7 @@ def change_patient(patient_id: str, json_data: wire.PatientChange) -> wire.Patie
 
     A code of your own, never a name: it is shown in the list and kept with the scans.
     """
-    rename_patient(app_context().service.storage, patient_id, checked_code(json_data.code))
+    rename_patient(storage, patient_id, checked_code(json_data.code))
     return patient_answer(patient_id)
 
 
@@ -91,7 +92,7 @@ def remove_patient(patient_id: str) -> tuple[str, int]:
     Deleting who is not there is no error.  204 says that all files are gone.
     """
     browser_forgets()
-    app_context().service.delete_patient(patient_id)
+    service.delete_patient(patient_id)
     return "", 204
 
 
@@ -105,8 +106,7 @@ def move(scan_id: str, json_data: wire.ScanOwner) -> wire.Patient:
     What was planned on it goes with it; a patient without scans is not kept.  Of scans that do not look like one
     patient's, `same_as` answers the question, once and for all.
     """
-    service = app_context().service
-    patient = move_scan(service.storage, scan_id, json_data.patient, json_data.again, json_data.same_as)
+    patient = move_scan(storage, scan_id, json_data.patient, json_data.again, json_data.same_as)
     return patient_answer(patient)
 
 
@@ -118,7 +118,7 @@ def show_plan(patient_id: str) -> Response:
 
     Points are mm in the frame of the scan that each item names.  The ETag is what a change has to name.
     """
-    return _plan_answer(patient_id, get_plan(app_context().service.storage, patient_id))
+    return _plan_answer(patient_id, get_plan(storage, patient_id))
 
 
 @patients.get("/<patient_id>/plan/versions/<int:version>")
@@ -126,12 +126,12 @@ def show_plan(patient_id: str) -> Response:
 @patients.doc(operation_id="getPlanVersion")
 def show_version(patient_id: str, version: int) -> Response:
     """The plan as it was; the last fifty versions are kept"""
-    return _plan_answer(patient_id, get_plan(app_context().service.storage, patient_id, version))
+    return _plan_answer(patient_id, get_plan(storage, patient_id, version))
 
 
 @patients.put("/<patient_id>/plan")
 @patients.input(Plan)
-@patients.input(wire.PlanHeaders, location="headers")
+@patients.input(IfMatch, location="headers")
 @patients.input(wire.SamePatient, location="query")
 @patients.output(wire.StoredPlan)
 @patients.doc(
@@ -143,9 +143,7 @@ def show_version(patient_id: str, version: int) -> Response:
         428: "If-Match is missing",
     },
 )
-def replace_plan(
-    patient_id: str, json_data: Plan, headers_data: wire.PlanHeaders, query_data: wire.SamePatient
-) -> Response:
+def replace_plan(patient_id: str, json_data: Plan, headers_data: IfMatch, query_data: wire.SamePatient) -> Response:
     """Replace the plan
 
     At most 500 items, its lines with 50,000 points together; each item names one of the patient's scans.  Lines and
@@ -153,16 +151,14 @@ def replace_plan(
     another code and other scans is another patient's, unless `same_patient`.  Places on a scan with a length are in the
     true size, unless `scans` says another, as the plan that was read did.
     """
-    storage = app_context().service.storage
-    if headers_data.if_match is None:
+    if headers_data.tag is None:
         raise refuse(428, UNSEEN)
     check_whose(json_data.model_dump(mode="json"), [patient_id], query_data.same_patient)
     plan = _in_present_sizes(json_data, patient_id)
     _check(plan, patient_id)
-    seen = headers_data.if_match.strip().removeprefix("W/").strip('"')
     items = [item.model_dump(mode="json") for item in plan.items]
     try:
-        return _plan_answer(patient_id, put_plan(storage, patient_id, items, seen))
+        return _plan_answer(patient_id, put_plan(storage, patient_id, items, headers_data.tag))
     except Changed as changed:
         raise refuse(412, CHANGED, {"ETag": f'"{changed.etag}"'}) from changed
 
@@ -176,7 +172,6 @@ def show_plan_on_fit(fit_id: str) -> Response:
     Items made on another scan of the patient are transferred from the newest fit of that scan, with the 90 % radius of
     each point.
     """
-    service = app_context().service
     response = bytes_answer(service.plans.on_fit(fit_id), JSON, PERSONAL)
     response.headers["Content-Disposition"] = f"attachment; filename={service.reports.file_name('plan.json', fit_id)}"
     return response
@@ -187,7 +182,6 @@ def _in_present_sizes(plan: Plan, patient_id: str) -> Plan:
     said = {scan.id: scan.scale for scan in plan.scans if scan.scale is not None}
     if not said:
         return plan
-    storage = app_context().service.storage
     now = {row.id: scale_of(row) for row in get_scans(storage, scans_of_patient(storage, patient_id))}
     factors = {scan: now[scan] / scale for scan, scale in said.items() if scan in now}
     return plan.model_copy(update={"items": [times(item, factors.get(item.scan, 1.0)) for item in plan.items]})
@@ -197,9 +191,7 @@ def _check(plan: Plan, patient_id: str) -> None:
     """Raises BadDrawing with a sentence, NotFound when the patient is gone."""
     check_printable(texts_of(plan.items))
     context = app_context()
-    scans = {
-        row.id: row for row in get_scans(context.service.storage, scans_of_patient(context.service.storage, patient_id))
-    }
+    scans = {row.id: row for row in get_scans(storage, scans_of_patient(storage, patient_id))}
     placed: dict[str, list[dict[str, Any]]] = defaultdict(list)
     for item in plan.items:
         scan = scans.get(item.scan)
@@ -214,11 +206,10 @@ def _check(plan: Plan, patient_id: str) -> None:
         else:
             drawing_with(context.model_of(scan.facts).rig, *asked_of(item))
     for name, shapes in placed.items():
-        context.service.skin_checks.check(scans[name], shapes)
+        service.skin_checks.check(scans[name], shapes)
 
 
 def _plan_answer(patient_id: str, plan: PatientPlan) -> Response:
-    storage = app_context().service.storage
     named = {item.get("scan") for item in plan.items}
     rows = get_scans(storage, [scan for scan in scans_of_patient(storage, patient_id) if scan in named])
     document = {
@@ -241,7 +232,7 @@ def _plan_answer(patient_id: str, plan: PatientPlan) -> Response:
 
 def patient_answer(patient_id: str) -> wire.Patient:
     """The patient as the API shows it. Raises NotFound."""
-    return _answer(listed_patient(app_context().service.storage, patient_id))
+    return _answer(listed_patient(storage, patient_id))
 
 
 def _answer(row: ListedCase) -> wire.Patient:
@@ -250,12 +241,12 @@ def _answer(row: ListedCase) -> wire.Patient:
         plan_version=row.plan,
         planned=wire.Planned(**json.loads(row.planned)),
         scans=[_scan(scan) for scan in row.scans],
-        links=wire.PatientLinks(self=f"/api/patients/{row.id}", plan=f"/api/patients/{row.id}/plan"),
+        links=wire.PatientLinks.at(f"/api/patients/{row.id}"),
     )
 
 
 def _scan(row: ListedScan) -> wire.PatientScan:
-    days, fit = app_context().config.keep_days, row.fit
+    days, fit = config.keep_days, row.fit
     until = None if days is None else datetime.fromisoformat(row.created_at) + timedelta(days=days)
     fitted = fit.stance if fit is not None and fit.state == "done" else None
     return wire.PatientScan.of(

@@ -2,7 +2,7 @@
 
 from apiflask import APIBlueprint
 
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import service, storage
 from breastrig.api.place_checks import check_near_scan
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import patterns as wire
@@ -25,12 +25,11 @@ def draw_pattern(fit_id: str, json_data: wire.PatternQuestion) -> wire.PatternOn
     a tenth of it.  A handle stands for one parameter (a tumour's centre for hour and distance); where that ends, the
     drag ends, and `limit` says so.
     """
-    service = app_context().service
-    fit = get_fit(service.storage, fit_id)
+    fit = get_fit(storage, fit_id)
     pattern_of(json_data.name, json_data.parameters)
     drag = json_data.drag
     if drag is not None:
-        check_near_scan(drag.handle, [drag.to], get_scan(service.storage, fit.scan))
+        check_near_scan(drag.handle, [drag.to], get_scan(storage, fit.scan))
     x, y, z = (0.0, 0.0, 0.0) if drag is None else drag.to
     question = LiveQuestion(
         json_data.name, json_data.parameters, json_data.side, None if drag is None else drag.handle, (x, y, z)
@@ -47,8 +46,7 @@ def measure_lengths(fit_id: str, json_data: wire.LengthsQuestion) -> wire.Length
 
     On the fitted skin and by the shortest path, as measures and tape sheet have them.  Nothing is stored.
     """
-    service = app_context().service
-    fit = get_fit(service.storage, fit_id)
-    check_near_scan("tape", json_data.places, get_scan(service.storage, fit.scan))
+    fit = get_fit(storage, fit_id)
+    check_near_scan("tape", json_data.places, get_scan(storage, fit.scan))
     x_y_z = ((float(x), float(y), float(z)) for x, y, z in json_data.places)
     return wire.Lengths.model_validate(service.moving.pattern(fit_id, LengthsQuestion(tuple(x_y_z))))

@@ -4,7 +4,7 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.access.session import keep_session
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import config, storage
 from breastrig.api.errors import refuse
 from breastrig.api.routes.patients import TAG, patient_answer
 from breastrig.api.wire import patients as wire_patients
@@ -26,9 +26,9 @@ def stay() -> Response:
     The session of a person ends when this was not said for a while; no other call keeps it.
     """
     response = Response(status=204)
-    people = app_context().config.people
+    people = config.people
     if people is not None and people.proxy_header is None:
-        keep_session(response, people, app_context().service.storage)
+        keep_session(response, config, storage)
     return response
 
 
@@ -41,7 +41,7 @@ def give_to_group(patient_id: str, json_data: wire.GivenGroup) -> wire_patients.
 
     Its members alone see the patient from then on, and administrators, who alone may say so.
     """
-    people, storage = app_context().config.people, app_context().service.storage
+    people = config.people
     if people is None:
         raise refuse(409, NO_USERS)
     if json_data.group is not None and json_data.group not in people.groups:

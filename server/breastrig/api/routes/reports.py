@@ -9,7 +9,7 @@ from flask import Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from breastrig.api.answers import CSV, JSON, PDF, PERSONAL, PNG, STL, VTU, ZIP, bytes_answer, file_of, in_memory
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import app_context, config, service, storage
 from breastrig.api.language import current_language
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
@@ -29,6 +29,10 @@ class PagesQuery(BaseModel):
     model_config = ConfigDict(extra="forbid", populate_by_name=True)
 
     language: Language | None = Field(None, description="of the pages; without it that of the request")
+
+    @property
+    def chosen(self) -> str:
+        return self.language or current_language()
 
 
 class ReportQuery(PagesQuery):
@@ -56,11 +60,9 @@ def show_report(fit_id: str, query_data: ReportQuery) -> Response:
 
     With `with` both stances of one patient and the changes between them.
     """
-    _check_done(fit_id, query_data.with_)
-    made, ids = app_context().service.reports, [one for one in (fit_id, query_data.with_) if one is not None]
-    content = in_memory(made.pdf(fit_id, query_data.with_, query_data.language or current_language()))
-    scans = [get_fit(app_context().service.storage, one).scan for one in ids]
-    return app_context().patients_file(scans, content, PDF, made.file_name("report.pdf", *ids))
+    scans = _scans_of_done(fit_id, query_data.with_)
+    content = service.reports.pdf(fit_id, query_data.with_, query_data.chosen)
+    return _file(scans, content, PDF, "report.pdf", fit_id, query_data.with_)
 
 
 @reports.get("/<fit_id>/report.png")
@@ -74,10 +76,8 @@ def show_report_page(fit_id: str, query_data: PageQuery) -> Response:
 
     The same pages as report.pdf, A4 at 144 pixels an inch.
     """
-    _check_done(fit_id, query_data.with_)
-    content, count = app_context().service.reports.page(
-        query_data.page, fit_id, query_data.with_, query_data.language or current_language()
-    )
+    _scans_of_done(fit_id, query_data.with_)
+    content, count = service.reports.page(query_data.page, fit_id, query_data.with_, query_data.chosen)
     response = bytes_answer(content, PNG, PERSONAL)
     response.headers["Page-Count"] = str(count)
     return response
@@ -95,13 +95,8 @@ def show_template(fit_id: str, query_data: PagesQuery) -> Response:
     Skin around the planned lines of each side, to be cut out and laid on notch and nipple in the position of the scan.
     422 says why lines cannot be laid flat.
     """
-    _check_done(fit_id, None)
-    made = app_context().service.reports
-    content, scans = (
-        in_memory(made.template(fit_id, query_data.language or current_language())),
-        [get_fit(app_context().service.storage, fit_id).scan],
-    )
-    return app_context().patients_file(scans, content, PDF, made.file_name("template.pdf", fit_id))
+    scans = _scans_of_done(fit_id)
+    return _file(scans, service.reports.template(fit_id, query_data.chosen), PDF, "template.pdf", fit_id)
 
 
 class GuideQuery(BaseModel):
@@ -121,12 +116,9 @@ def show_guide(fit_id: str, query_data: GuideQuery) -> Response:
     A shell of 2 mm on the skin of the scan's position, with slots along the planned lines, a hole for the nipple and an
     arrow to the notch; header and file name say how far its tip is from there.
     """
-    _check_done(fit_id, None)
-    made = app_context().service.reports
-    content, scans = made.guide(fit_id, query_data.side), [get_fit(app_context().service.storage, fit_id).scan]
+    scans, content = _scans_of_done(fit_id), service.reports.guide(fit_id, query_data.side)
     far = re.findall(r"(\d+) mm", guide_said(content))[0]
-    name = made.file_name(f"guide-{SIDES[query_data.side]}-notch-{far}mm.stl", fit_id)
-    return app_context().patients_file(scans, in_memory(content), STL, name)
+    return _file(scans, content, STL, f"guide-{SIDES[query_data.side]}-notch-{far}mm.stl", fit_id)
 
 
 @reports.get("/<fit_id>/dicom.zip")
@@ -139,10 +131,7 @@ def show_dicom(fit_id: str) -> Response:
 
     Encapsulated PDF and STL, and a TID 1500 measurement report, with the patient's code as PatientID.
     """
-    _check_done(fit_id, None)
-    made = app_context().service.reports
-    content, scans = in_memory(made.dicom(fit_id)), [get_fit(app_context().service.storage, fit_id).scan]
-    return app_context().patients_file(scans, content, ZIP, made.file_name("dicom.zip", fit_id))
+    return _file(_scans_of_done(fit_id), service.reports.dicom(fit_id), ZIP, "dicom.zip", fit_id)
 
 
 class ToArchive(BaseModel):
@@ -171,11 +160,11 @@ def send_to_archive(fit_id: str, json_data: ToArchive) -> Archived:
     """
     from breastrig.archive.send import send_zip  # the extra `pacs`; a service with archives has it
 
-    _check_done(fit_id, None)
-    node = app_context().config.archives.get(json_data.archive)
+    _scans_of_done(fit_id)
+    node = config.archives.get(json_data.archive)
     if node is None:
         raise BadSettings("This service sends to no archive of that name; its administrator names them.")
-    made = app_context().service.reports
+    made = service.reports
     content = made.dicom(fit_id) if node.identities is None else made.dicom_for(fit_id, node.identities)
     return Archived(notes=list(send_zip(content, node)))
 
@@ -190,8 +179,8 @@ def show_measures(fit_id: str, query_data: ReportQuery) -> Response:
     Lengths straight and along the skin, volumes and ratios of both breasts; with `with` of both stances of one patient,
     and the changes between them.
     """
-    _check_done(fit_id, query_data.with_)
-    return bytes_answer(app_context().service.reports.measures(fit_id, query_data.with_), JSON, PERSONAL)
+    _scans_of_done(fit_id, query_data.with_)
+    return bytes_answer(service.reports.measures(fit_id, query_data.with_), JSON, PERSONAL)
 
 
 @reports.get("/<fit_id>/measures.csv")
@@ -202,13 +191,10 @@ def show_measures_table(fit_id: str, query_data: ReportQuery) -> Response:
 
     The columns of `breastrig report`'s measures.csv, every digit; each row has the verdict of its fit.
     """
-    _check_done(fit_id, query_data.with_)
-    found = json.loads(app_context().service.reports.measures(fit_id, query_data.with_))
+    scans = _scans_of_done(fit_id, query_data.with_)
+    found = json.loads(service.reports.measures(fit_id, query_data.with_))
     verdicts = {one["name"]: (one.get("verdict") or {}).get("level", "") for one in found["stances"]}
-    made, ids = app_context().service.reports, [one for one in (fit_id, query_data.with_) if one is not None]
-    scans = [get_fit(app_context().service.storage, one).scan for one in ids]
-    content = in_memory(csv_bytes(found["measures"], verdicts))
-    return app_context().patients_file(scans, content, CSV, made.file_name("measures.csv", *ids))
+    return _file(scans, csv_bytes(found["measures"], verdicts), CSV, "measures.csv", fit_id, query_data.with_)
 
 
 @reports.get("/<fit_id>/volume.vtu")
@@ -222,18 +208,21 @@ def show_volume(fit_id: str) -> Response:
     Tetrahedra for finite elements, in the scan's unit and frame: regions skin, breast_L, breast_R, chest_wall, trunk;
     of each node the model's vertex, and whether it is fixed or slides.
     """
-    _check_done(fit_id, None)
-    made = app_context().service.reports
-    scans = [get_fit(app_context().service.storage, fit_id).scan]
-    return app_context().patients_file(scans, in_memory(made.volume(fit_id)), VTU, made.file_name("volume.vtu", fit_id))
+    return _file(_scans_of_done(fit_id), service.reports.volume(fit_id), VTU, "volume.vtu", fit_id)
 
 
-def _check_done(fit_id: str, other: str | None) -> None:
-    """Raises NotFound, Conflict, or BadSettings for a fit compared with itself."""
+def _scans_of_done(fit_id: str, other: str | None = None) -> list[str]:
+    """The scans of fits that are done.  Raises NotFound, Conflict, or BadSettings for a fit compared with itself."""
     if other == fit_id:
         raise BadSettings("A report shows two different fits; leave `with` out to show one.")
-    for known in (fit_id, other):
-        if known is not None:
-            fit = get_fit(app_context().service.storage, known)
-            if fit.state != "done":
-                raise Conflict(f"The fit {fit.id} is {fit.state}; a report needs fits that are done.")
+    found = [get_fit(storage, known) for known in (fit_id, other) if known is not None]
+    for fit in found:
+        if fit.state != "done":
+            raise Conflict(f"The fit {fit.id} is {fit.state}; a report needs fits that are done.")
+    return [fit.scan for fit in found]
+
+
+def _file(scans: list[str], content: bytes, media_type: str, name: str, *fits: str | None) -> Response:
+    """To take away, under a name with what says whose it is."""
+    named = service.reports.file_name(name, *filter(None, fits))
+    return app_context().patients_file(scans, in_memory(content), media_type, named)

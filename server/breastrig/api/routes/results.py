@@ -11,7 +11,7 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.answers import BINARY, GLB, JSON, ZIP, file_of, in_memory, opened
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import app_context, service, storage
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import checks as wire
 from breastrig.core.errors import Conflict, NotFound
@@ -112,7 +112,7 @@ def show_checks(fit_id: str) -> dict[str, Any]:
     patient's plan on this scan, else the fit's own drawing, else lines on the breasts. A landmark that was looked at is
     given to the next fit with a `confidence` of 1: otherwise one at its proposed place counts as only agreed to.
     """
-    return app_context().service.line_checks.on_fit(_done(fit_id).id)
+    return service.line_checks.on_fit(_done(fit_id).id)
 
 
 @results.get("/<fit_id>/result.zip")
@@ -126,11 +126,11 @@ def show_result_zip(fit_id: str) -> Response:
     context, fit = app_context(), _done(fit_id)
     found = {name: _file(fit, name) for name in FIT_FILES}
     files = {name: file for name, file in found.items() if file is not None}
-    files["plan.json"] = in_memory(context.service.plans.on_fit(fit_id))
+    files["plan.json"] = in_memory(service.plans.on_fit(fit_id))
     packed, size = _packed(files)
     etag = hashlib.sha256(repr([(name, file.etag) for name, file in files.items()]).encode()).hexdigest()[:32]
     whole = OpenedFile(None, size, etag, lambda: packed)
-    response = context.patients_file([fit.scan], whole, ZIP, context.service.reports.file_name("result.zip", fit_id))
+    response = context.patients_file([fit.scan], whole, ZIP, service.reports.file_name("result.zip", fit_id))
     response.call_on_close(packed.close)
     return response
 
@@ -160,13 +160,13 @@ def _result_file(fit_id: str, name: str) -> Response:
     file = _file(fit, name)
     if file is None:
         raise NotFound(f"This fit has no {name}.")
-    download_as = context.service.reports.file_name(name, fit_id)
+    download_as = service.reports.file_name(name, fit_id)
     return context.patients_file([fit.scan], file, MEDIA_TYPES[name], download_as)
 
 
 def _done(fit_id: str) -> StoredFit:
     """The finished fit. Raises NotFound, or Conflict when it has no results."""
-    fit = get_fit(app_context().service.storage, fit_id)
+    fit = get_fit(storage, fit_id)
     if fit.state != "done":
         raise Conflict(
             f"This fit has no results: it is {fit.state}."
@@ -178,6 +178,5 @@ def _done(fit_id: str) -> StoredFit:
 
 def _file(fit: StoredFit, name: str) -> OpenedFile | None:
     """One of the fit's files; the rig with the plan where there is one."""
-    service = app_context().service
     planned = service.plans.fitted_glb(fit.id) if name == "fitted.glb" else None
-    return service.storage.files.find(fit_place(fit.id), name) if planned is None else in_memory(planned)
+    return storage.files.find(fit_place(fit.id), name) if planned is None else in_memory(planned)

@@ -12,13 +12,14 @@ random hexadecimal digits take more than 10^10 years.
 import hmac
 from functools import partial
 
-from flask import Blueprint, Response, redirect, render_template, request, url_for
+from flask import Blueprint, Response, render_template, request, url_for
+from werkzeug.exceptions import HTTPException
 
 from breastrig.api.access.callers import person_in_browser
 from breastrig.api.access.provider import NotSignedIn
-from breastrig.api.access.session import end_session, in_session, start_persons_session, start_session
+from breastrig.api.access.session import end_session, start_session
 from breastrig.api.answers import CHECK_AGAIN, bytes_answer
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import app_context, config, storage
 from breastrig.api.language import current_language, in_language
 from breastrig.languages.translation import said
 
@@ -42,35 +43,30 @@ def answer() -> Response:
 
 def sign_in_with(given: str) -> Response:
     """Sets the cookie and leads to the page's own address, or asks again."""
-    context = app_context()
-    token = context.config.token
-    if token is None or context.config.people is not None:
-        return _to("/")
-    seconds = context.rates.wait_s("sign-in tried")
-    if seconds:
-        return _too_many(seconds)
+    token = config.token
+    if token is None or config.people is not None:
+        return lead_to("/")
+    _count("sign-in tried")
     if not hmac.compare_digest(given.encode("utf-8", "replace"), token.encode()):
-        seconds = context.rates.wait_s("sign-in")
-        return _too_many(seconds) if seconds else _page(WRONG, 401)
-    response = _to("/")
-    start_session(response, token)
+        _count("sign-in")
+        return _page(WRONG, 401)
+    response = lead_to("/")
+    start_session(response, config)
     return response
 
 
 @sign_in.get("/sign-in/start")
 def leave_for_provider() -> Response:
     """To the provider, where there is one"""
-    context = app_context()
-    seconds = context.rates.wait_s("sign-in tried")
-    if seconds:
-        return _too_many(seconds)
-    if context.provider is None:
-        return _to("/sign-in")
+    provider = app_context().provider
+    _count("sign-in tried")
+    if provider is None:
+        return lead_to("/sign-in")
     try:
-        response = context.provider.leave_for(url_for("sign_in.come_back", _external=True))
+        response = provider.leave_for(url_for("sign_in.come_back", _external=True))
     except NotSignedIn as error:
         return _page(str(error), 502)
-    end_session(response, None, context.config.people, context.service.storage)  # of whoever was here before
+    end_session(response, config, storage)  # of whoever was here before
     response.headers["Cache-Control"] = "no-store"
     return response
 
@@ -78,29 +74,25 @@ def leave_for_provider() -> Response:
 @sign_in.get("/sign-in/callback")
 def come_back() -> Response:
     """From the provider, which names a code; it leads to the page's own address and nowhere else"""
-    context = app_context()
-    people, provider = context.config.people, context.provider
-    seconds = context.rates.wait_s("sign-in tried")
-    if seconds:
-        return _too_many(seconds)
-    if people is None or provider is None:
-        return _to("/sign-in")
+    provider = app_context().provider
+    _count("sign-in tried")
+    if provider is None:
+        return lead_to("/sign-in")
     try:
         person = provider.person()
     except NotSignedIn as error:
         return _page(str(error), 401)
-    response = _to("/")
-    start_persons_session(response, people, person)
+    response = lead_to("/")
+    start_session(response, config, person)
     return response
 
 
 @sign_in.post("/sign-out")
 def leave() -> Response:
-    response = _to("/sign-in")
+    response = lead_to("/sign-in")
     # What the browser keeps of patients.  Not "cookies": that would be those of the whole domain, other programs' too.
     response.headers["Clear-Site-Data"] = '"cache", "storage"'
-    config = app_context().config
-    end_session(response, config.token, config.people, app_context().service.storage)
+    end_session(response, config, storage)
     return response
 
 
@@ -110,26 +102,25 @@ def style() -> Response:
 
 
 def _page(problem: str = "", status: int = 200) -> Response:
-    context = app_context()
-    token, people, storage = context.config.token, context.config.people, context.service.storage
-    person = None if people is None else person_in_browser(people, storage)
-    by = "people" if context.provider else "proxy" if people else "token" if token else ""
-    signed_in = person is not None or (by == "token" and token is not None and in_session(token, storage))
+    token, people = config.token, config.people
+    person = person_in_browser(config, storage)
+    by = "people" if app_context().provider else "proxy" if people else "token" if token else ""
     note = problem if by else NOT_NEEDED
-    shown = {"by": by, "note": note, "signed_in": signed_in, "name": person and person.name}
+    shown = {"by": by, "note": note, "signed_in": person is not None, "name": person and people and person.name}
     language = current_language()
     html = render_template("sign_in.html", **shown, language=language, t=partial(said, language=language))
     return in_language(Response(html, status, mimetype="text/html", headers=PAGE_HEADERS))
 
 
-def _too_many(seconds: int) -> Response:
-    refused = _page(f"Too many attempts. Try again in {seconds} s.", 429)
-    refused.headers["Retry-After"] = str(seconds)
-    return refused
+def _count(purpose: str) -> None:
+    """Counts the request; raises the page that asks to wait when it is one too many."""
+    seconds = app_context().rates.wait_s(purpose)
+    if seconds:
+        refused = _page(f"Too many attempts. Try again in {seconds} s.", 429)
+        refused.headers["Retry-After"] = str(seconds)
+        raise HTTPException(response=refused)
 
 
-def _to(place: str) -> Response:
-    response = redirect(place, 303)
-    assert isinstance(response, Response)
-    response.headers["Cache-Control"] = "no-store"
-    return response
+def lead_to(place: str) -> Response:
+    """Another address of ours."""
+    return Response(status=303, headers={"Location": place, "Cache-Control": "no-store"})

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from apiflask import APIBlueprint
 
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import service, storage
 from breastrig.api.whose import check_whose
 from breastrig.api.wire import transfers as wire_transfers
 from breastrig.core.errors import Conflict
@@ -33,12 +33,11 @@ def transfer_drawing(json_data: wire_transfers.TransferRequest) -> tuple[wire_tr
     place of the model is shown.  Scans that do not look like one patient's are asked about.  Every point lies on the
     target's skin or is marked as bridged.
     """
-    service = app_context().service
     _check_done((json_data.from_fit, json_data.to_fit), "a drawing can be carried")
     drawing = json_data.drawing
     if drawing is not None:
-        scans = [get_fit(service.storage, each).scan for each in (json_data.from_fit, json_data.to_fit)]
-        patients = [patient_of_scan(service.storage, scan) for scan in scans]
+        scans = [get_fit(storage, each).scan for each in (json_data.from_fit, json_data.to_fit)]
+        patients = [patient_of_scan(storage, scan) for scan in scans]
         check_whose(drawing.model_dump(mode="json"), patients, json_data.same_patient)
     carried = service.transfer(
         json_data.from_fit,
@@ -68,12 +67,12 @@ def propose_marks(json_data: wire_transfers.MarksRequest) -> wire_transfers.Prop
     (`PUT /api/scans/ID/landmarks`).  Some seconds.
     """
     _check_done((json_data.from_fit, json_data.to_fit), "marks can be proposed")
-    found = app_context().service.propose_marks(json_data.from_fit, json_data.to_fit, json_data.same_patient)
+    found = service.propose_marks(json_data.from_fit, json_data.to_fit, json_data.same_patient)
     return wire_transfers.ProposedMarks.model_validate(found)
 
 
 def _check_done(fits: Iterable[str], what: str) -> None:
     for fit_id in fits:
-        fit = get_fit(app_context().service.storage, fit_id)
+        fit = get_fit(storage, fit_id)
         if fit.state != "done":
             raise Conflict(f"The fit {fit.id} is {fit.state}; {what} between fits that are done.")

@@ -4,11 +4,10 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.answers import GLB, JSON, PERSONAL, PNG, bytes_answer, file_of
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import service, storage
 from breastrig.api.language import current_language, in_language
 from breastrig.api.routes.patients import TAG
 from breastrig.api.wire import visits as wire
-from breastrig.storage.storage import Storage
 from breastrig.use.cases.visits import ScanVisit, say_visit, visit_of
 
 visits = APIBlueprint("visits", __name__, url_prefix="/api/patients", tag=TAG)
@@ -25,7 +24,7 @@ def put_visit(scan_id: str, json_data: wire.GivenVisit) -> wire.ScanVisit:
 
     A day is never guessed from a file.  Null: not known.
     """
-    case = _storage().case_of_scan(scan_id)
+    case = storage.case_of_scan(scan_id)
     return _answer(scan_id, say_visit(case, scan_id, json_data.date, json_data.label))
 
 
@@ -34,7 +33,7 @@ def put_visit(scan_id: str, json_data: wire.GivenVisit) -> wire.ScanVisit:
 @visits.doc(operation_id="getVisits")
 def show_visits(patient_id: str) -> wire.PatientVisits:
     """The day of each scan, as a person has said it"""
-    case = _storage().case(patient_id)
+    case = storage.case(patient_id)
     return wire.PatientVisits(scans=[_answer(one.id, visit_of(case, one.id)) for one in case.scans()])
 
 
@@ -47,7 +46,7 @@ def show_document(patient_id: str) -> Response:
     Scans of one stance, by the newest fit of each; stances with fewer than two days are left out, and `asked` names the
     scans whose day is missing.
     """
-    return bytes_answer(app_context().service.visits.document(patient_id), JSON, PERSONAL)
+    return bytes_answer(service.visits.document(patient_id), JSON, PERSONAL)
 
 
 @visits.get("/<patient_id>/visits.svg")
@@ -58,7 +57,7 @@ def show_plots(patient_id: str, query_data: wire.PlotQuery) -> Response:
 
     With 90 % bands, and published ranges in grey as context.
     """
-    made = app_context().service.visits.plots(patient_id, query_data.stance, current_language())
+    made = service.visits.plots(patient_id, query_data.stance, current_language())
     return in_language(bytes_answer(made, SVG, PERSONAL))
 
 
@@ -82,12 +81,8 @@ def show_change_map(patient_id: str, query_data: wire.ChangeQuery) -> Response:
 
 
 def _change(patient_id: str, asked: wire.ChangeQuery, kind: str, media_type: str) -> Response:
-    made = app_context().service.visits.change(patient_id, (asked.scan, asked.with_), kind)
+    made = service.visits.change(patient_id, (asked.scan, asked.with_), kind)
     return bytes_answer(made, media_type, PERSONAL)
-
-
-def _storage() -> Storage:
-    return app_context().service.storage
 
 
 def _answer(scan_id: str, visit: ScanVisit) -> wire.ScanVisit:

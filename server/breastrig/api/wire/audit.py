@@ -4,7 +4,7 @@ from typing import Any
 
 from pydantic import Field
 
-from breastrig.api.wire.common import PageQuery, Wire
+from breastrig.api.wire.common import Paged, PageQuery, Wire
 
 ID = r"^([A-Za-z0-9_-]{22})?$"
 TIME = r"^[0-9TZ:.-]{0,30}$"
@@ -31,9 +31,8 @@ class AuditLine(Wire):
     sha256: str = Field(description="of the line's bytes")
 
 
-class AuditPage(Wire):
+class AuditPage(Paged):
     lines: list[AuditLine] = Field(description="the newest first")
-    next: str | None
 
 
 class AnchorQuery(Wire):

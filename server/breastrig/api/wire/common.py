@@ -12,7 +12,7 @@ from apiflask.fields import UploadFile
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from breastrig.core.stances import Stance as OneStance
-from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, DrawnShape, LineUnit, SurfacePoint
+from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, Colour, DrawnShape, LineUnit, SurfacePoint
 from breastrig.scan.true_size import IN_SIZE, LONGEST, Scale
 from breastrig.scan.volumes.answers import MOST_CHARACTERS
 from breastrig.use.steps.events import FitEvent, IterationNumbers, NodePose
@@ -61,12 +61,33 @@ class Wire(BaseModel):
         return cls.model_validate(same | more)
 
 
+class Links(Wire):
+    """Addresses; those below the thing's own place have what follows it in their annotation."""
+
+    @classmethod
+    def at(cls, place: str, **others: str | None) -> Self:
+        """The addresses below a place, and others."""
+        below = {name: place + end for name, field in cls.model_fields.items() for end in field.metadata}
+        return cls.model_validate(below | others)
+
+
 class Upload(Wire):
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
 
 
 class Headers(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True, populate_by_name=True)
+
+
+class IfMatch(Headers):
+    if_match: str | None = Field(
+        None, alias="If-Match", description="the ETag (of cuts their digest, in quotes) of what was changed"
+    )
+
+    @property
+    def tag(self) -> str | None:
+        """The text within the quotes."""
+        return None if self.if_match is None else self.if_match.strip().removeprefix("W/").strip('"')
 
 
 SamePlace = Literal["yes", "no"]
@@ -170,15 +191,15 @@ class Stance(Wire):
     reason: str
 
 
-class ScanLinks(Wire):
-    self: str
-    mesh: str
-    landmarks: str
-    proposed: str
-    cuts: str
-    ink: str
-    drawing: str
-    fits: str
+class ScanLinks(Links):
+    self: Annotated[str, ""]
+    mesh: Annotated[str, "/mesh.glb"]
+    landmarks: Annotated[str, "/landmarks"]
+    proposed: Annotated[str, "/landmarks/proposed"]
+    cuts: Annotated[str, "/cuts"]
+    ink: Annotated[str, "/ink"]
+    drawing: Annotated[str, "/drawing"]
+    fits: Annotated[str, "/fits"]
     patient: str
     plan: str
     volume: str | None = Field(None, description="of a scan that was made of an image")
@@ -307,12 +328,6 @@ class LandmarkUpload(Upload):
     file: UploadFile = Field(description="JSON, CSV, MeshLab .pp, 3D Slicer .mrk.json, .fcsv, or Landmark Editor .pts")
 
 
-class LandmarksHeaders(Headers):
-    if_match: str | None = Field(
-        None, alias="If-Match", description="the ETag of the landmarks that were changed; without it any are"
-    )
-
-
 class Cut(Wire):
     """A part of a scan that a person has cut away: the triangles whose middle lies within the lasso, however deep."""
 
@@ -330,12 +345,6 @@ class CutsFile(Wire):
 
 class Cuts(CutsFile):
     digest: str = Field(description="the same for the same cuts, empty without any; a fit says with which it was made")
-
-
-class CutsHeaders(Headers):
-    if_match: str | None = Field(
-        None, alias="If-Match", description="the digest, in quotes, of the cuts that were changed; without it any are"
-    )
 
 
 class ProposedLandmark(Wire):
@@ -415,6 +424,15 @@ class FitRequest(Wire):
     )
 
 
+class LaidShape(DrawnShape):
+    """A polyline on a scan."""
+
+    label: str = Field("", exclude_if=lambda label: not label)
+    closed: bool
+    color: Colour
+    bridged: list[bool] = Field(description="true where the scan has no skin to lie on")
+
+
 class PredictionRequest(Wire):
     """A stance that no scan shows."""
 
@@ -445,24 +463,24 @@ class FitHeaders(Headers):
     )
 
 
-class FitLinks(Wire):
-    self: str
-    events: str
-    result: str
-    result_zip: str
-    fitted_glb: str
-    fitted_ply: str
-    drawing: str
-    distances: str
-    uncertainty: str
-    checks: str
-    plan: str
-    report: str
-    measures: str
-    cancel: str
-    moved: str
-    shares: str
-    predictions: str
+class FitLinks(Links):
+    self: Annotated[str, ""]
+    events: Annotated[str, "/events"]
+    result: Annotated[str, "/result.json"]
+    result_zip: Annotated[str, "/result.zip"]
+    fitted_glb: Annotated[str, "/fitted.glb"]
+    fitted_ply: Annotated[str, "/fitted.ply"]
+    drawing: Annotated[str, "/drawing.json"]
+    distances: Annotated[str, "/distances.bin"]
+    uncertainty: Annotated[str, "/uncertainty.bin"]
+    checks: Annotated[str, "/checks"]
+    plan: Annotated[str, "/plan.json"]
+    report: Annotated[str, "/report.pdf"]
+    measures: Annotated[str, "/measures.json"]
+    cancel: Annotated[str, "/cancel"]
+    moved: Annotated[str, "/moved"]
+    shares: Annotated[str, "/shares"]
+    predictions: Annotated[str, "/predictions"]
 
 
 class FitAccepted(Wire):
@@ -514,14 +532,16 @@ class EventPageQuery(EventQuery):
     limit: int = Field(200, ge=1, le=1000, description="at most so many events")
 
 
-class FitPage(Wire):
+class Paged(Wire):
+    next: str | None = Field(description="address of the next page, null on the last")
+
+
+class FitPage(Paged):
     fits: list[Fit] = Field(description="the newest first")
-    next: str | None = Field(description="address of the next page, null on the last")
 
 
-class ScanPage(Wire):
+class ScanPage(Paged):
     scans: list[Scan] = Field(description="the newest first")
-    next: str | None = Field(description="address of the next page, null on the last")
 
 
 class Limited(Wire):

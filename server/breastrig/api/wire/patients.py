@@ -5,10 +5,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from breastrig.api.wire.common import FitState, Headers, Name, PageQuery, Point, Wire
+from breastrig.api.wire.common import FitState, LaidShape, Links, Name, Paged, PageQuery, Point, Wire
 from breastrig.api.wire.transfers import MarksOfScan
 from breastrig.core.stances import Stance
-from breastrig.drawings.drawing_schema import Colour, DrawnShape, LineUnit
+from breastrig.drawings.drawing_schema import LineUnit
 from breastrig.drawings.plan_schema import ITEMS, PlanItem, ScanOfPlan
 from breastrig.files.result import VerdictLevel
 
@@ -69,9 +69,9 @@ class Planned(Wire):
     lesions: int = Field(description="with tumours given by the clock")
 
 
-class PatientLinks(Wire):
-    self: str
-    plan: str
+class PatientLinks(Links):
+    self: Annotated[str, ""]
+    plan: Annotated[str, "/plan"]
 
 
 class Patient(Wire):
@@ -87,15 +87,8 @@ class Patient(Wire):
     links: PatientLinks
 
 
-class PatientPage(Wire):
+class PatientPage(Paged):
     patients: list[Patient] = Field(description="in the order asked for")
-    next: str | None = Field(description="address of the next page, null on the last")
-
-
-class PlanHeaders(Headers):
-    if_match: str | None = Field(
-        None, alias="If-Match", description="the ETag of the plan that was changed; without it the plan stays"
-    )
 
 
 class SamePatient(Wire):
@@ -114,13 +107,9 @@ class StoredPlan(Wire):
     items: list[PlanItem] = Field(max_length=ITEMS)
 
 
-class PlannedShape(DrawnShape):
+class PlannedShape(LaidShape):
     """A line of the plan on a scan."""
 
-    label: str = Field("", exclude_if=lambda label: not label)
-    closed: bool
-    color: Colour
-    bridged: list[bool] = Field(description="true where the scan has no skin to lie on")
     item: str = Field(description="id of the plan's item")
     kind: Literal["line", "pattern", "tumour", "lesion", "note"]
     carried: bool = Field(description="whether it was made on another scan")

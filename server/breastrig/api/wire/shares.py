@@ -1,11 +1,11 @@
 """The JSON shapes of share links."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from breastrig.api.share_limits import PASSCODE_LENGTH
-from breastrig.api.wire.common import Name, Wire
+from breastrig.api.wire.common import Links, Name, Paged, Wire
 
 ShareScan = Literal["none", "plain", "full"]
 
@@ -23,10 +23,10 @@ class ShareRequest(Wire):
     notes: bool = Field(False, description="whether the plan's notes are shown")
 
 
-class ShareLinks(Wire):
-    self: str
-    unlock: str
-    refresh: str
+class ShareLinks(Links):
+    self: Annotated[str, ""]
+    unlock: Annotated[str, "/unlock"]
+    refresh: Annotated[str, "/refresh"]
 
 
 class Share(Wire):
@@ -55,9 +55,8 @@ class ShareWithOpenings(Share):
     opened_at: list[str] = Field(description="the last openings, the newest first; nothing about who")
 
 
-class SharePage(Wire):
+class SharePage(Paged):
     shares: list[Share] = Field(description="the newest first")
-    next: str | None = Field(description="address of the next page, null on the last")
 
 
 class ShareOpening(Wire):
@@ -65,19 +64,19 @@ class ShareOpening(Wire):
     passcode: str | None = Field(None, max_length=100)
 
 
-class SharedLinks(Wire):
-    self: str
-    result: str
-    fitted_glb: str
-    fitted_ply: str
-    drawing: str
+class SharedLinks(Links):
+    self: Annotated[str, ""]
+    result: Annotated[str, "/result.json"]
+    fitted_glb: Annotated[str, "/fitted.glb"]
+    fitted_ply: Annotated[str, "/fitted.ply"]
+    drawing: Annotated[str, "/drawing.json"]
     distances: str | None = Field(description="null when the link does not show the scan, which they would tell")
-    plan: str
+    plan: Annotated[str, "/plan.json"]
     report: str | None = Field(
         description="null when the link does not show the scan, which it pictures, or none can be made"
     )
     mesh: str | None = Field(description="null when the link does not show the scan")
-    close: str
+    close: Annotated[str, "/close"]
 
 
 class SharedResult(Wire):

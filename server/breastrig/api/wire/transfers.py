@@ -4,8 +4,8 @@ from typing import Literal
 
 from pydantic import Field
 
-from breastrig.api.wire.common import Name, Three, Wire
-from breastrig.drawings.drawing_schema import Colour, Digest, DrawnShape, GivenDrawing, LineUnit, PatientCode
+from breastrig.api.wire.common import LaidShape, Name, Three, Wire
+from breastrig.drawings.drawing_schema import Digest, GivenDrawing, LineUnit, PatientCode
 
 
 class TransferRequest(Wire):
@@ -42,13 +42,9 @@ class ProposedMarks(Wire):
     marks: list[ProposedMark]
 
 
-class CarriedShape(DrawnShape):
+class CarriedShape(LaidShape):
     """A polyline on the second scan, and how well the fits lie on their scans there."""
 
-    label: str = Field("", exclude_if=lambda label: not label)
-    closed: bool
-    color: Colour
-    bridged: list[bool] = Field(description="true where the second scan has no skin to lie on")
     distance_from_mm: list[float | None] = Field(
         description="how far the first fit was from its scan there; null without skin"
     )

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import sys
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -12,19 +11,19 @@ from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cli.cases.audited import shell
 from breastrig.cli.messages.progress import fitted
-from breastrig.cli.options.output_options import output_file
+from breastrig.cli.messages.say import say
+from breastrig.cli.options.output_options import writing_file
 from breastrig.cli.options.scan_options import say_segments
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput, NotFound
-from breastrig.core.output_files import all_or_nothing
-from breastrig.core.private_files import read_ordinary, shown, write_private
+from breastrig.core.private_files import read_ordinary, shown
 from breastrig.scan.true_size import length_of
 from breastrig.scan.volumes.answers import segments_of_words
 from breastrig.use.cases.case import Case, CaseScan
 
 PLAN_BYTES = 50_000_000
 IN_TRUE_SIZE = (
-    "breastrig: The places were taken in the true size of this scan, {:.3f} times that of its own file. If they were "
+    "The places were taken in the true size of this scan, {:.3f} times that of its own file. If they were "
     "picked on that file: case length --remove, case landmarks, then case length --put."
 )
 
@@ -51,8 +50,7 @@ def add(options: argparse.Namespace) -> int:
     options.made = {"scan": scan_id}
     numbers = {scan.id: number for number, scan in enumerate(case.scans, start=1)}
     scan = next(each for each in case.scans if each.id == scan_id)
-    for said in scan.notes:
-        print(f"breastrig: {said}", file=sys.stderr)
+    say(*scan.notes)
     print(f"scan {numbers[scan_id]}: {_about(scan)}")
     return 0
 
@@ -68,8 +66,7 @@ def lesions(options: argparse.Namespace) -> int:
         same_place=options.same_place,
     )
     say_segments(taken.segments)
-    for said in taken.notes:
-        print(f"breastrig: {said}", file=sys.stderr)
+    say(*taken.notes)
     for each in taken.lesions:
         print(f"{each.name}: {2 * each.radius:.0f} mm across{'' if each.is_new else ', in the plan already'}")
     if not taken.lesions:
@@ -82,7 +79,7 @@ def landmarks(options: argparse.Namespace) -> int:
     scan = _chosen(case, options.scan)
     case.put_landmarks(scan.id, options.landmarks)
     if scan.scale != 1.0:
-        print(IN_TRUE_SIZE.format(scan.scale), file=sys.stderr)
+        say(IN_TRUE_SIZE.format(scan.scale))
     marks = len(case.marks(scan.id))
     print(f"{len(case.landmarks(scan.id))} landmarks{f', {marks} marks' if marks else ''}")
     return 0
@@ -120,7 +117,7 @@ def fit(options: argparse.Namespace) -> int:
     finally:
         run.close()
     for reason in fit.verdict.reasons:
-        print(f"breastrig: {fit.verdict.level}: {reason}", file=sys.stderr)
+        say(f"{fit.verdict.level}: {reason}")
     print(f"{fit.verdict.level}, {fit.stance}; {case.fits(scan.id)[-1].folder}")
     return 3 if fit.verdict.level == "unusable" else 0
 
@@ -143,8 +140,8 @@ def plan(options: argparse.Namespace) -> int:
         if options.seen or options.scan or options.same_patient:
             raise BadInput("--seen, --scan and --same-patient belong to --put and --undo; leave them out with -o.")
         content = json_bytes(case.plan(options.version))
-        with all_or_nothing(output_file(options, [])) as out:
-            write_private(out / options.output.name, content)
+        with writing_file(options) as write:
+            write(content)
         return 0
     if options.version is not None or options.force:
         raise BadInput("--version and --force belong to -o; --undo takes the number of a version itself.")
@@ -201,7 +198,7 @@ def list_cases(options: argparse.Namespace) -> int:
             found += 1
             print(f"{document.code}   {document.created_at[:10]}, {len(case.scan_ids())} scans   {each}")
     if not found:
-        print(f"breastrig: there is no case in {shown(folder)}", file=sys.stderr)
+        say(f"there is no case in {shown(folder)}")
     return 0
 
 

@@ -2,7 +2,6 @@
 
 import argparse
 import os
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from breastrig.audit.log import AuditLog, Entry, log_of_case
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
+from breastrig.cli.messages.say import say
 from breastrig.core.errors import BadInput, NotFound
 
 OPENS = ("show", "list")
@@ -44,7 +44,7 @@ def audited(options: argparse.Namespace) -> Iterator[None]:
                     f"The audit log of {log.root} cannot be written ({error.strerror}), so nothing was changed; mend "
                     "that first."
                 ) from error
-            print(f"breastrig: the audit log cannot be written ({error.strerror})", file=sys.stderr)
+            say(f"the audit log cannot be written ({error.strerror})")
     yield
     made = getattr(options, "made", {})
     for log, line in lines.items():

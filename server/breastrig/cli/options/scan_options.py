@@ -1,10 +1,10 @@
 """Options for reading a scan: its unit, and a person's answers about a label map."""
 
 import argparse
-import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from breastrig.cli.messages.say import say
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.piece import TakenSegment
 from breastrig.scan.scan import Scan as ScanInMetres
@@ -73,7 +73,4 @@ def say_segments(segments: Iterable[TakenSegment]) -> None:
     for each in segments:
         called = f' "{each.label}"' if each.label else ""
         across = "" if each.radius_mm is None else f", {2 * each.radius_mm:.0f} mm across"
-        print(
-            f"breastrig: segment {each.number}{called}: {each.taken_as} ({each.name}{across}). {each.why}",
-            file=sys.stderr,
-        )
+        say(f"segment {each.number}{called}: {each.taken_as} ({each.name}{across}). {each.why}")

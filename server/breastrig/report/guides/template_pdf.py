@@ -1,12 +1,10 @@
 """template.pdf: pieces of a template over sheets of A4 in true size, as JSON that template.typ sets."""
 
 from collections.abc import Sequence
-from importlib import resources
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import typst
 
 from breastrig.core.arrays import Array
 from breastrig.core.identity import UNNAMED, Identity
@@ -15,11 +13,11 @@ from breastrig.core.stances import SIDES
 from breastrig.core.version import __version__
 from breastrig.drawings.line_error import drawn_error
 from breastrig.languages.catalogue import ENGLISH
-from breastrig.languages.pages import page_data
 from breastrig.languages.translation import Typed
 from breastrig.report.guides.template import TRUE, FlatLine, Piece, length_on_skin
 from breastrig.report.pages.names import spoken
-from breastrig.report.pages.printable import check_printable, installed_fonts
+from breastrig.report.pages.printable import check_printable
+from breastrig.report.pages.typeset import typeset
 
 SHEETS = ((180.0, 245.0), (267.0, 158.0))  # mm of an A4 page that is drawn on, upright and lying
 OVERLAP = 10.0  # mm that two sheets have in common
@@ -46,23 +44,10 @@ def template_pdf(
     language: str = ENGLISH,
 ) -> bytes:
     """The pages; `position` names the stance, `said` are sentences on the fit.  BadInput for a name without glyphs."""
-    return bytes(_set(pieces, position, identity, said, language))
-
-
-def _set(
-    pieces: Sequence[Piece],
-    position: str,
-    identity: Identity,
-    said: Sequence[str],
-    language: str = ENGLISH,
-    **form: Any,
-) -> Any:
     names = [("The name of a line", spoken(each.line.name)) for piece in pieces for each in piece.lines]
     check_printable([("The patient's code", identity.code), *names])
-    template = resources.files("breastrig.report.guides").joinpath("template.typ").read_bytes()
-    data = {"data": page_data(template, template_content(pieces, position, identity, said), language)}
-    fonts = installed_fonts()
-    return typst.compile(template, sys_inputs=data, ignore_system_fonts=True, font_paths=fonts, **form)
+    content = template_content(pieces, position, identity, said)
+    return bytes(typeset("guides", "template.typ", content, language))
 
 
 def template_content(

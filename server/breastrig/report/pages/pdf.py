@@ -5,11 +5,9 @@ then a tape sheet of each stance.  The same stances and the same identity give t
 """
 
 from collections.abc import Mapping, Sequence
-from importlib import resources
 from typing import Any
 
 import numpy as np
-import typst
 
 from breastrig.core.identity import UNNAMED, Identity
 from breastrig.core.notice import LIMITS_OF_USE
@@ -19,14 +17,14 @@ from breastrig.drawings.line_error import ACROSS, drawn_error
 from breastrig.files.result import Distances, ResultFile, SurfaceDistances
 from breastrig.fitting.uncertainty.radii import HOLDS_90
 from breastrig.languages.catalogue import ENGLISH
-from breastrig.languages.pages import page_data
 from breastrig.languages.translation import Typed
 from breastrig.report.bands import KNOWN_MM, margin_text, sure_text
 from breastrig.report.document import PlannedItem, Reported
 from breastrig.report.measures import OUTLINE
 from breastrig.report.pages.names import plainly, spoken, spoken_together
-from breastrig.report.pages.printable import check_printable, installed_fonts
+from breastrig.report.pages.printable import check_printable
 from breastrig.report.pages.tape_sheet import tape_sheet
+from breastrig.report.pages.typeset import typeset
 from breastrig.report.pictures import (
     LEAST_SURE_MM,
     colour_bar,
@@ -117,29 +115,18 @@ Table = dict[str, Any]
 
 def report_pdf(stances: Sequence[Reported], identity: Identity = UNNAMED, language: str = ENGLISH) -> bytes:
     """The pages of one or two stances; BadInput where a word has characters that no font has."""
-    template, content = _set(stances, identity, language)
-    return typst.compile(template, sys_inputs={"data": content}, ignore_system_fonts=True, font_paths=installed_fonts())
+    return bytes(_set(stances, identity, language))
 
 
 def report_pages(stances: Sequence[Reported], identity: Identity = UNNAMED, language: str = ENGLISH) -> list[bytes]:
     """The same pages as PNG, sharp enough to be printed; BadInput likewise."""
-    template, content = _set(stances, identity, language)
-    pages = typst.compile(
-        template,
-        sys_inputs={"data": content},
-        ignore_system_fonts=True,
-        font_paths=installed_fonts(),
-        format="png",
-        ppi=PAGE_PPI,
-    )
+    pages = _set(stances, identity, language, format="png", ppi=PAGE_PPI)
     return [bytes(page) for page in ([pages] if isinstance(pages, bytes) else pages)]
 
 
-def _set(stances: Sequence[Reported], identity: Identity, language: str) -> tuple[bytes, str]:
-    """The template and its data; BadInput where a written word has characters that no font has."""
+def _set(stances: Sequence[Reported], identity: Identity, language: str, **form: Any) -> Any:
     check_printable([("The patient's code", identity.code), *_written(stances)])
-    template = resources.files("breastrig.report.pages").joinpath("report.typ").read_bytes()
-    return template, page_data(template, report_content(stances, identity), language)
+    return typeset("pages", "report.typ", report_content(stances, identity), language, **form)
 
 
 def _written(stances: Sequence[Reported]) -> list[tuple[str, str]]:

@@ -1,20 +1,17 @@
 """The page for taking scans with marks: where the dots are, how the arms lie, one length, the order of the scans."""
 
 from functools import cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
-import typst
 
 from breastrig.core.arrays import Array
 from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.version import __version__
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.languages.catalogue import ENGLISH
-from breastrig.languages.pages import page_data
 from breastrig.rendering.picture import Layer, camera, render
-from breastrig.report.pages.printable import installed_fonts
+from breastrig.report.pages.typeset import typeset
 from breastrig.report.pictures import SCAN_GREY, jpeg
 from breastrig.rig.model import Rig
 
@@ -65,19 +62,7 @@ TEXTS: dict[str, list[str]] = {
 @cache
 def protocol_pdf(language: str = ENGLISH) -> bytes:
     """The page as PDF: always the same bytes."""
-    return _set(language)
-
-
-def protocol_png(ppi: float = 96.0) -> bytes:
-    """The page as PNG."""
-    return _set(ENGLISH, format="png", ppi=ppi)
-
-
-def _set(language: str = ENGLISH, **form: Any) -> bytes:
-    template = resources.files("breastrig.report.pages").joinpath("protocol.typ").read_bytes()
-    data = {"data": page_data(template, _content(read_rig(default_rig_path())), language)}
-    fonts = installed_fonts()
-    return bytes(typst.compile(template, sys_inputs=data, ignore_system_fonts=True, font_paths=fonts, **form))
+    return bytes(typeset("pages", "protocol.typ", _content(read_rig(default_rig_path())), language))
 
 
 def _content(rig: Rig) -> dict[str, Any]:

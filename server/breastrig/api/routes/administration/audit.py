@@ -8,7 +8,7 @@ from flask import Response, render_template
 from breastrig.api.access.audited import who_asks
 from breastrig.api.access.person import Role, current_person
 from breastrig.api.answers import PDF, PERSONAL, bytes_answer, file_of
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import service, storage
 from breastrig.api.errors import refuse
 from breastrig.api.wire import audit as wire
 from breastrig.audit.certificate import certificate
@@ -39,14 +39,14 @@ def list_lines(query_data: wire.AuditQuery) -> wire.AuditPage:
 def show_page(query_data: wire.AuditQuery) -> str:
     """The log as a plain page, without script"""
     lines, older = _page(query_data)
-    root, asked = app_context().service.storage.root, query_data.id
+    root, asked = storage.root, query_data.id
     deleted = bool(asked) and next(deletions(root, asked), None) is not None
     return render_template("audit.html", lines=lines, older=older, checked=check(root), id=asked, deleted=deleted)
 
 
 def _page(asked: wire.AuditQuery) -> tuple[list[wire.AuditLine], int | None]:
     """Lines, and the number that the next page begins below; None after the last."""
-    log = app_context().service.audit
+    log = service.audit
     log.flush()
     found = list(islice(lines_from(log.root, asked.id, asked.since, asked.before), asked.limit + 1))
     before = found[asked.limit - 1]["n"] if len(found) > asked.limit else None
@@ -64,7 +64,7 @@ def _page(asked: wire.AuditQuery) -> tuple[list[wire.AuditLine], int | None]:
 @audit.doc(operation_id="checkAudit", responses={403: "Not an administrator"})
 def check_lines(query_data: wire.AnchorQuery) -> wire.AuditCheck:
     """Whether all lines are as they were written"""
-    log = app_context().service.audit
+    log = service.audit
     log.flush()
     found = check(log.root, read_mark(query_data.anchor) if query_data.anchor else None)
     return wire.AuditCheck(lines=found.lines, end=str(found.end), fault=found.fault)
@@ -74,7 +74,7 @@ def check_lines(query_data: wire.AnchorQuery) -> wire.AuditCheck:
 @audit.doc(operation_id="getAuditLog", responses={200: file_of(LINES, "One line each"), 403: "Not an administrator"})
 def show_log() -> Response:
     """The whole audit log as it is kept"""
-    log = app_context().service.audit
+    log = service.audit
     log.flush()
     files = log_files(log.folder)
     headers = {"Content-Disposition": "attachment; filename=audit.jsonl", "Cache-Control": "no-store"}
@@ -93,9 +93,8 @@ def show_log() -> Response:
 )
 def show_certificate(deleted_id: str) -> Response:
     """The certificate of a deletion: what was removed, when, by whom, and what it does not cover"""
-    service = app_context().service
     service.audit.flush()
-    found = certificate(service.storage.root, deleted_id)
+    found = certificate(storage.root, deleted_id)
     if found.who != who_asks() and not current_person().role.includes(Role.ADMINISTER):
         raise refuse(403, "A certificate is given to administrators, and to whoever has deleted the patient.")
     response = bytes_answer(service.reports.certificate(found), PDF, PERSONAL)

@@ -6,7 +6,7 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.answers import BINARY, PERSONAL, bytes_answer, file_of
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import app_context, config, service, storage
 from breastrig.api.errors import refuse
 from breastrig.api.place_checks import check_landmarks, given_picks, landmark_answer, picks_of_file, written_file
 from breastrig.api.routes.scans.scans import TAG, scan_answer
@@ -43,19 +43,16 @@ def show_landmarks(scan_id: str) -> Landmarks:
 
     The ETag is what a change may name as If-Match.
     """
-    storage = app_context().service.storage
     row = get_scan(storage, scan_id)
     return _landmarks_answer(get_landmarks(storage, scan_id), row)
 
 
 @of_scans.put("/<scan_id>/landmarks")
 @of_scans.input(wire.GivenLandmarkFile)
-@of_scans.input(wire.LandmarksHeaders, location="headers")
+@of_scans.input(wire.IfMatch, location="headers")
 @of_scans.output(wire.LandmarkFile)
 @of_scans.doc(operation_id="putLandmarks", responses={412: "Changed by somebody else meanwhile"})
-def replace_landmarks(
-    scan_id: str, json_data: wire.GivenLandmarkFile, headers_data: wire.LandmarksHeaders
-) -> Landmarks:
+def replace_landmarks(scan_id: str, json_data: wire.GivenLandmarkFile, headers_data: wire.IfMatch) -> Landmarks:
     """Replace the landmarks, in the unit that they name
 
     Names must be landmarks of the model; points must lie near the scan.  `certain` names those of them that a fit
@@ -64,12 +61,12 @@ def replace_landmarks(
     `scale` says another: the one in which they were read, 1 for places of the scan's own file.
     """
     context = app_context()
-    row = get_scan(context.service.storage, scan_id)
-    picks = given_picks(json_data, get_landmarks(context.service.storage, row.id), row)
+    row = get_scan(storage, scan_id)
+    picks = given_picks(json_data, get_landmarks(storage, row.id), row)
     check_landmarks(picks, row, context.model_of(row.facts))
-    picks = context.service.proposals.agreed(row.id, context.model_of(row.facts).rig.sha256, picks)
-    if not put_landmarks(context.service.storage, scan_id, picks, _tag(headers_data.if_match)):
-        now = picks_digest(get_landmarks(context.service.storage, scan_id))
+    picks = service.proposals.agreed(row.id, context.model_of(row.facts).rig.sha256, picks)
+    if not put_landmarks(storage, scan_id, picks, headers_data.tag):
+        now = picks_digest(get_landmarks(storage, scan_id))
         raise refuse(412, CHANGED_LANDMARKS, {"ETag": f'"{now}"'})
     return _landmarks_answer(picks, row)
 
@@ -86,7 +83,7 @@ def read_landmark_file(scan_id: str, files_data: wire.LandmarkUpload) -> wire.La
     file with a `scale` of its own are taken; PUT places that were picked on the scan's own file with `scale` 1.
     """
     context = app_context()
-    row = get_scan(context.service.storage, scan_id)
+    row = get_scan(storage, scan_id)
     found = picks_of_file(files_data.file.stream.read(LIMIT_BYTES + 1), row, context.model_of(row.facts))
     return landmark_answer(found, row)
 
@@ -102,7 +99,7 @@ def write_landmark_file(scan_id: str, kind: str, json_data: wire.GivenLandmarkFi
 
     Nothing is kept.
     """
-    row = get_scan(app_context().service.storage, scan_id)
+    row = get_scan(storage, scan_id)
     return bytes_answer(written_file(json_data, kind, row), BINARY, PERSONAL)
 
 
@@ -111,23 +108,22 @@ def write_landmark_file(scan_id: str, kind: str, json_data: wire.GivenLandmarkFi
 @of_scans.doc(operation_id="getCuts")
 def show_cuts(scan_id: str) -> wire.Cuts:
     """The cuts by hand of the scan"""
-    storage = app_context().service.storage
     get_scan(storage, scan_id)
     return cuts_answer(get_cuts(storage, scan_id))
 
 
 @of_scans.put("/<scan_id>/cuts")
 @of_scans.input(wire.CutsFile)
-@of_scans.input(wire.CutsHeaders, location="headers")
+@of_scans.input(wire.IfMatch, location="headers")
 @of_scans.output(wire.Cuts)
 @of_scans.doc(operation_id="putCuts", responses={412: "Changed by somebody else meanwhile"})
-def replace_cuts(scan_id: str, json_data: wire.CutsFile, headers_data: wire.CutsHeaders) -> wire.Cuts:
+def replace_cuts(scan_id: str, json_data: wire.CutsFile, headers_data: wire.IfMatch) -> wire.Cuts:
     """Replace what is cut out of the scan
 
     The scan itself stays whole; fits and proposals that are asked for from now on do not see what is cut.
     """
     cuts = tuple(cut.model_dump() for cut in json_data.cuts)
-    if not put_cuts(app_context().service.storage, scan_id, cuts, _tag(headers_data.if_match)):
+    if not put_cuts(storage, scan_id, cuts, headers_data.tag):
         raise refuse(412, CHANGED_CUTS)
     return cuts_answer(cuts)
 
@@ -143,9 +139,8 @@ def give_length(scan_id: str, json_data: wire.GivenLength) -> wire.Scan:
     the scan's frame; from then on all that is asked for and answered is in the true size.  Fits that were asked for
     before are `cancelled`: fit again.  A factor under 0.8 or above 1.25 is a wrong unit, and refused.
     """
-    service = app_context().service
     service.put_length(scan_id, (json_data.start, json_data.end, json_data.length_mm))
-    return scan_answer(get_scan(service.storage, scan_id))
+    return scan_answer(get_scan(storage, scan_id))
 
 
 @of_scans.delete("/<scan_id>/length")
@@ -153,9 +148,8 @@ def give_length(scan_id: str, json_data: wire.GivenLength) -> wire.Scan:
 @of_scans.doc(operation_id="deleteLength", responses={409: "A fit of the scan waits or runs"})
 def take_length(scan_id: str) -> wire.Scan:
     """Give the scan the size of its file again; fits of that size count again, no others do"""
-    service = app_context().service
     service.put_length(scan_id, None)
-    return scan_answer(get_scan(service.storage, scan_id))
+    return scan_answer(get_scan(storage, scan_id))
 
 
 @of_scans.get("/<scan_id>/landmarks/proposed")
@@ -174,8 +168,8 @@ def propose_landmarks(scan_id: str) -> wire.ProposedLandmarks | Response:
     proposal's error unless `confidence` says 1, which is for who has looked closely.
     """
     context = app_context()
-    row = get_scan(context.service.storage, scan_id)
-    found = context.service.proposals.of(row, context.model_of(row.facts).rig.sha256, context.config.proposal_wait_s)
+    row = get_scan(storage, scan_id)
+    found = service.proposals.of(row, context.model_of(row.facts).rig.sha256, config.proposal_wait_s)
     if found is None:
         return Response(status=202, headers={"Retry-After": "1"})
     return _proposed(found)
@@ -196,9 +190,8 @@ def find_ink(scan_id: str) -> wire.Ink | Response:
     Read from the scan's colours. The first call answers once they are found, most often within two seconds; later
     calls answer at once. They are for a person to accept; only then are they lines of the plan.
     """
-    context = app_context()
-    row = get_scan(context.service.storage, scan_id)
-    found = context.service.ink.found(row, context.config.proposal_wait_s)
+    row = get_scan(storage, scan_id)
+    found = service.ink.found(row, config.proposal_wait_s)
     if found is None:
         return Response(status=202, headers={"Retry-After": "1"})
     return wire.Ink.model_validate(found)
@@ -215,7 +208,7 @@ def drop_ink(scan_id: str, json_data: wire.InkChange) -> wire.Ink:
 
     They stay among the found lines, marked as dropped, until this is taken back.
     """
-    return wire.Ink.model_validate(app_context().service.ink.mark_dropped(scan_id, json_data.dropped))
+    return wire.Ink.model_validate(service.ink.mark_dropped(scan_id, json_data.dropped))
 
 
 def _proposed(found: dict[str, Any]) -> wire.ProposedLandmarks:
@@ -229,11 +222,6 @@ def _proposed(found: dict[str, Any]) -> wire.ProposedLandmarks:
         else:
             not_proposed[name] = why
     return wire.ProposedLandmarks.model_validate({"landmarks": landmarks, "not_proposed": not_proposed})
-
-
-def _tag(if_match: str | None) -> str | None:
-    """The text within the quotes of an If-Match header."""
-    return None if if_match is None else if_match.strip().removeprefix("W/").strip('"')
 
 
 def _landmarks_answer(picks: Picks, row: StoredScan) -> Landmarks:

@@ -7,7 +7,7 @@ from apiflask import APIBlueprint
 from flask import Response
 
 from breastrig.api.answers import BINARY, GLB, PNG, browser_forgets, file_of, in_memory, opened
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import app_context, service, storage
 from breastrig.api.routes.groups import group_for_new
 from breastrig.api.wire import common as wire
 from breastrig.cases.case_folder import NO_SCAN
@@ -60,7 +60,7 @@ def upload_scan(files_data: wire.ScanUpload) -> tuple[wire.Scan, int, dict[str, 
     )
     patient, model = files_data.patient or None, files_data.model or None
     group = group_for_new(files_data.group) if patient is None else None
-    row, labels = app_context().service.uploads.add(
+    row, labels = service.uploads.add(
         files_data.file.stream, file_type, files_data.units, patient, model, answers, files_data.again, group
     )
     answer = scan_answer(row)
@@ -85,7 +85,7 @@ def add_lesions(scan_id: str, files_data: wire.LesionsUpload) -> wire.TakenLesio
     where the image does, or which side is left, the answer is 422 with a `question`, as at the upload of a scan.
     """
     answers = checked_answers(files_data.frame, segments_of_json(files_data.segments), same_place=files_data.same_place)
-    taken = app_context().service.uploads.add_lesions(scan_id, files_data.file.stream, answers)
+    taken = service.uploads.add_lesions(scan_id, files_data.file.stream, answers)
     lesions = [
         wire.TakenLesion(name=each.name, center=each.center.tolist(), radius_mm=float(each.radius), new=each.is_new)
         for each in taken.lesions
@@ -102,7 +102,7 @@ def list_scans(query_data: wire.ScanQuery) -> wire.ScanPage:
     """The scans of all patients, the newest first"""
     moment, _, scan_id = (query_data.after or "").partition("~")
     last = None if query_data.after is None else (moment, scan_id)
-    rows, more = scans_page(app_context().service.storage, query_data.limit, last)
+    rows, more = scans_page(storage, query_data.limit, last)
     after = None if more is None else "~".join(more)
     return wire.ScanPage(scans=_answers(rows), next=query_data.next_page("/api/scans", after=after))
 
@@ -112,7 +112,7 @@ def list_scans(query_data: wire.ScanQuery) -> wire.ScanPage:
 @scans.doc(operation_id="getScan")
 def show_scan(scan_id: str) -> wire.Scan:
     """The facts of a scan"""
-    return scan_answer(get_scan(app_context().service.storage, scan_id))
+    return scan_answer(get_scan(storage, scan_id))
 
 
 @scans.delete("/<scan_id>")
@@ -124,7 +124,7 @@ def remove_scan(scan_id: str) -> tuple[str, int]:
     Running fits are stopped.  Deleting what is not there is no error.  204 says that all files are gone.
     """
     browser_forgets()
-    app_context().service.delete_scan(scan_id)
+    service.delete_scan(scan_id)
     return "", 204
 
 
@@ -133,7 +133,7 @@ def remove_scan(scan_id: str) -> tuple[str, int]:
 def show_mesh(scan_id: str) -> Response:
     """The scan for display: glTF, metres, the scan's own axes"""
     missing = "This scan has no mesh; it may have been deleted."
-    scale = get_scan(app_context().service.storage, scan_id).facts.get("scale")
+    scale = get_scan(storage, scan_id).facts.get("scale")
     if scale is None:
         return _file(scan_id, MESH, GLB, missing)
     with opened(_found(scan_id, MESH, missing)) as file:
@@ -173,7 +173,6 @@ def _file(scan_id: str, name: str, media_type: str, missing: str) -> Response:
 
 
 def _found(scan_id: str, name: str, missing: str) -> OpenedFile:
-    storage = app_context().service.storage
     get_scan(storage, scan_id)
     file = storage.files.find(scan_place(scan_id), name)
     if file is None:
@@ -187,9 +186,8 @@ def _found(scan_id: str, name: str, missing: str) -> OpenedFile:
 @scans.doc(operation_id="putScanModel", responses={409: "The scan was uploaded for another model"})
 def confirm_model(scan_id: str, json_data: wire.ScanModel) -> wire.Scan:
     """Say that the scan's model is the right one, kept as `model_said`"""
-    service = app_context().service
-    row = get_scan(service.storage, scan_id)
-    say_model(service.storage, scan_id, json_data.model, service.models.name_of(row.facts))
+    row = get_scan(storage, scan_id)
+    say_model(storage, scan_id, json_data.model, service.models.name_of(row.facts))
     return scan_answer(row)
 
 
@@ -203,27 +201,20 @@ def scan_answer(row: StoredScan) -> wire.Scan:
 
 def _answers(rows: Sequence[StoredScan]) -> list[wire.Scan]:
     """The stored rows as the API shows them, by one query however many they are; without those just deleted."""
-    owners = patients_of_scans(app_context().service.storage, [row.id for row in rows])
+    owners = patients_of_scans(storage, [row.id for row in rows])
     return [_answer(row, owners[row.id]) for row in rows if row.id in owners]
 
 
 def _answer(row: StoredScan, owner: StoredPatient) -> wire.Scan:
     place, patient = f"/api/scans/{row.id}", owner.id
-    links = wire.ScanLinks(
-        self=place,
-        mesh=f"{place}/mesh.glb",
-        landmarks=f"{place}/landmarks",
-        proposed=f"{place}/landmarks/proposed",
-        cuts=f"{place}/cuts",
-        ink=f"{place}/ink",
-        drawing=f"{place}/drawing",
-        fits=f"{place}/fits",
+    links = wire.ScanLinks.at(
+        place,
         patient=f"/api/patients/{patient}",
         plan=f"/api/patients/{patient}/plan",
         volume=f"{place}/volume" if row.facts.get("image") else None,
     )
     shown = {name: fact for name, fact in row.facts.items() if name != "orientation"}  # that is for our own workers
     facts = shown | cut_facts(row) | {"patient_code": owner.code, "sha256": row.sha256}
-    model = app_context().service.models.name_of(row.facts)
-    facts |= {"model": model, "model_said": said_model(app_context().service.storage, owner.id, row.id) == model}
+    model = service.models.name_of(row.facts)
+    facts |= {"model": model, "model_said": said_model(storage, owner.id, row.id) == model}
     return wire.Scan(id=row.id, patient=patient, created_at=row.created_at, links=links, **facts)

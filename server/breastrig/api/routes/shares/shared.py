@@ -9,7 +9,7 @@ from apiflask import APIBlueprint
 from flask import Response, render_template
 
 from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import app_context, config, storage
 from breastrig.api.big_answers import big_answer
 from breastrig.api.errors import refuse
 from breastrig.api.routes.shares.share_credential import (
@@ -196,7 +196,7 @@ def page(share_id: str = "") -> Response:
 
     Where the page is built it shows the body; else numbers and files, which need no script but a small one.
     """
-    built = (app_context().config.web or asset_folder("web")) / "index.html"
+    built = (config.web or asset_folder("web")) / "index.html"
     html = built.read_text(encoding="utf-8") if built.is_file() else render_template("share.html")
     return Response(html, mimetype="text/html", headers={"Cache-Control": NO_STORE})
 
@@ -225,7 +225,7 @@ def _file(share_id: str, name: str, download_as: str | None = None) -> Response:
 
 
 def _found(share: StoredShare, name: str) -> OpenedFile | None:
-    return app_context().service.storage.files.find(share_place(share.snapshot or ""), name)
+    return storage.files.find(share_place(share.snapshot or ""), name)
 
 
 def _result(share: StoredShare) -> wire_shares.SharedResult:
@@ -235,16 +235,7 @@ def _result(share: StoredShare) -> wire_shares.SharedResult:
         id=share.id,
         expires_at=share.expires_at,
         shown_at=share.snapshot_at,
-        links=wire_shares.SharedLinks(
-            self=place,
-            result=f"{place}/result.json",
-            fitted_glb=f"{place}/fitted.glb",
-            fitted_ply=f"{place}/fitted.ply",
-            drawing=f"{place}/drawing.json",
-            distances=shown["distances.bin"],
-            plan=f"{place}/plan.json",
-            report=shown["report.pdf"],
-            mesh=shown["mesh.glb"],
-            close=f"{place}/close",
+        links=wire_shares.SharedLinks.at(
+            place, distances=shown["distances.bin"], report=shown["report.pdf"], mesh=shown["mesh.glb"]
         ),
     )

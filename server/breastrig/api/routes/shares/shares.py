@@ -5,7 +5,7 @@ from datetime import UTC, datetime, timedelta
 from apiflask import APIBlueprint
 from werkzeug.security import generate_password_hash
 
-from breastrig.api.app_context import app_context
+from breastrig.api.app_context import service, storage
 from breastrig.api.language import current_language
 from breastrig.api.routes.shares.share_credential import new_token, token_sha256
 from breastrig.api.share_limits import WRONG_PASSCODES
@@ -51,7 +51,7 @@ def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_s
         snapshot=None,
         snapshot_at=None,
     )
-    share = app_context().service.shares.add(share, token_sha256(token), current_language())
+    share = service.shares.add(share, token_sha256(token), current_language())
     answer = wire_shares.ShareMade(url=f"/s#{token}", **share_answer(share).model_dump())
     return answer, 201, {"Location": answer.links.self}
 
@@ -62,7 +62,6 @@ def make_share(fit_id: str, json_data: wire_shares.ShareRequest) -> tuple[wire_s
 @shares.doc(operation_id="listShares")
 def list_shares(fit_id: str, query_data: wire.PageQuery) -> wire_shares.SharePage:
     """The links to a fit's result, the newest first"""
-    storage = app_context().service.storage
     get_fit(storage, fit_id)
     rows, before = shares_page(storage, fit_id, query_data.limit, query_data.before)
     more = query_data.next_page(f"/api/fits/{fit_id}/shares", before=before)
@@ -74,7 +73,6 @@ def list_shares(fit_id: str, query_data: wire.PageQuery) -> wire_shares.SharePag
 @shares.doc(operation_id="getShare")
 def show_share(fit_id: str, share_id: str) -> wire_shares.ShareWithOpenings:
     """One link, and when it was opened"""
-    storage = app_context().service.storage
     share = get_share(storage, fit_id, share_id)
     opened = openings_of(storage, share.id, OPENINGS_SHOWN)
     return wire_shares.ShareWithOpenings(opened_at=opened, **share_answer(share).model_dump())
@@ -89,7 +87,7 @@ def remove_share(fit_id: str, share_id: str) -> tuple[str, int]:
     It is closed at once, for those too who have it open or are loading a file, and what it showed is removed.  It stays
     in the list until the fit is deleted.  Revoking what is not there is no error.
     """
-    app_context().service.shares.revoke(fit_id, share_id)
+    service.shares.revoke(fit_id, share_id)
     return "", 204
 
 
@@ -101,7 +99,7 @@ def refresh(fit_id: str, share_id: str) -> wire_shares.Share:
 
     The plan and what is cut away as they are now, to all who have the link.
     """
-    return share_answer(app_context().service.shares.refresh(fit_id, share_id, current_language()))
+    return share_answer(service.shares.refresh(fit_id, share_id, current_language()))
 
 
 @shares.post("/<fit_id>/shares/<share_id>/unlock")
@@ -112,14 +110,13 @@ def unlock(fit_id: str, share_id: str) -> wire_shares.Share:
 
     For one that wrong passcodes have locked: as many may be tried again.  The count goes on.
     """
-    storage = app_context().service.storage
     unlock_share(storage, fit_id, share_id)
     return share_answer(get_share(storage, fit_id, share_id))
 
 
 def share_answer(row: StoredShare) -> wire_shares.Share:
     """The stored row as the owner sees it."""
-    place, is_locked = f"/api/fits/{row.fit}/shares/{row.id}", row.is_locked(WRONG_PASSCODES)
+    is_locked = row.is_locked(WRONG_PASSCODES)
     return wire_shares.Share.of(
         row,
         is_open=row.is_valid(utc_now()) and not is_locked,
@@ -127,5 +124,5 @@ def share_answer(row: StoredShare) -> wire_shares.Share:
         shown_at=row.snapshot_at,
         has_passcode=row.passcode_hash is not None,
         last_wrong_passcode_at=row.last_wrong_at,
-        links=wire_shares.ShareLinks(self=place, unlock=f"{place}/unlock", refresh=f"{place}/refresh"),
+        links=wire_shares.ShareLinks.at(f"/api/fits/{row.fit}/shares/{row.id}"),
     )

@@ -1,1 +1,0 @@
-"""Pages that certify what was done."""
