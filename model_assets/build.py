@@ -16,7 +16,8 @@ from steps.assemble import build_rig
 from steps.recipe import read_recipe
 from steps.source import fetch, read_source
 
-from breastrig.gltf.write_rig import GENERATOR, write_rig
+from breastrig.gltf.write_rig import GENERATOR
+from breastrig_studies.output.rig_files import write_rig
 
 HERE = Path(__file__).resolve().parent
 GENERATORS = {"recipe.toml": "BreastRig 0.1.0", "male.toml": "BreastRig 0.2.0"}  # their hashes cover it, so it stays

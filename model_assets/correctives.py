@@ -20,12 +20,12 @@ from breastrig.geometry.caps import closed
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.known_files import bind_known
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.gltf.write_rig import write_rig
 from breastrig.rig.model import Corrective, Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import Posed, PosedByDualQuaternions, PosedWithCorrectives, bone_matrices
 from breastrig.volume.known_volume import known_volume
 from breastrig.volume.tetrahedra import shape_gradients, stiffness
+from breastrig_studies.output.rig_files import write_rig
 
 REST = 41.0  # degrees from hanging, of the torso's arms
 LEARNT, SHARES = (10, 50, 90, 130, 170), (0.0, 0.15)  # degrees from hanging; of a turn that the shoulder girdle does

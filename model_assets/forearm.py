@@ -14,10 +14,10 @@ import numpy as np
 import trimesh
 
 from breastrig.geometry.surface_points import SurfacePoints
-from breastrig.gltf.write_rig import write_rig
 from breastrig.rig.model import Bone, DrawnShape, Joint, Landmark, Length, ModelDrawing, Rig, Shape
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import pose
+from breastrig_studies.output.rig_files import write_rig
 
 SEGMENTS, RINGS, LENGTH = 24, 30, 0.34  # around, along, m: from the elbow to the knuckles
 WRIST = 0.24  # m from the elbow

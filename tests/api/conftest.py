@@ -19,9 +19,9 @@ from werkzeug.test import TestResponse
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
-from breastrig.gltf.write_rig import write_rig
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+from breastrig_studies.output.rig_files import write_rig
 
 NIPPLE_MM = [70.0, 350.0, 120.0]
 ROUTES = pytest.StashKey[list[str]]()

@@ -16,11 +16,11 @@ from prometheus_client.parser import text_string_to_metric_families
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
-from breastrig.gltf.write_rig import write_rig
 from breastrig.service import readiness
 from breastrig.service.readiness import Readiness
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
+from breastrig_studies.output.rig_files import write_rig
 
 
 def locked() -> None:

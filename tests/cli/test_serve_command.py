@@ -18,8 +18,8 @@ from helpers.waiting import PATIENCE_S
 from breastrig.cli import interruption, serve_command
 from breastrig.cli.main import main
 from breastrig.cli.serve_command import _stop_on_signals
-from breastrig.gltf.write_rig import write_rig
 from breastrig.service.events.feeds import Notifier
+from breastrig_studies.output.rig_files import write_rig
 
 pytestmark = pytest.mark.long
 

@@ -9,7 +9,7 @@ from helpers.fault_table import Outcome, lines
 from helpers.toy_rig import toy_rig
 from helpers.uploads import torso as torso_ply
 
-from breastrig.gltf.write_rig import write_rig
+from breastrig_studies.output.rig_files import write_rig
 
 TABLE = pytest.StashKey[list[tuple[str, Outcome]]]()
 Note = Callable[[str, Outcome], None]

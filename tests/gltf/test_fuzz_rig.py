@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from breastrig.core.errors import BadModel
 from breastrig.core.glb import pack_glb, split_glb
 from breastrig.gltf.read_rig import read_rig
-from breastrig.gltf.write_rig import write_rig
+from breastrig_studies.output.rig_files import write_rig
 
 FILES = ("toy.glb", "toy.json", "drawings/lumpectomy.json")
 NONSENSE = [None, True, -1, 0, 3, 2**40, 1e300, "", "pelvis", [], [0], {}, float("nan")]

@@ -12,9 +12,9 @@ from breastrig.fitting.body.refine import hidden_skin, trunk_depth
 from breastrig.fitting.uncertainty.radii import calibration
 from breastrig.fitting.verdicts.verdict import verdict_limits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.gltf.write_rig import write_rig
 from breastrig.report.calibration import measure_calibration
 from breastrig.rig.body_statistics import body_statistics
+from breastrig_studies.output.rig_files import write_rig
 
 TORSO = default_rig_path()
 

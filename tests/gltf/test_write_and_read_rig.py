@@ -17,8 +17,9 @@ from breastrig.core.glb import pack_glb, split_glb
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf import container
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.gltf.write_rig import rig_glb, write_rig
+from breastrig.gltf.write_rig import rig_glb
 from breastrig.rig.model import Rig
+from breastrig_studies.output.rig_files import write_rig
 
 FLOAT32 = 2.0**-24  # relative rounding of a float32
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from breastrig.gltf.write_rig import write_rig
 from breastrig.rig.model import Corrective
 from breastrig.rig.skinning import pose
+from breastrig_studies.output.rig_files import write_rig
 from helpers.forearm import bent, forearm_rig, write_scan
 
 BENT, WEIGHTS = 0.9, np.array([0.4, 0.2, -0.3, 0.1])  # rad, of the shapes

@@ -7,7 +7,7 @@ from helpers.real_server import PROGRAM, search_path
 from helpers.toy_rig import toy_rig
 
 from breastrig.api.share_limits import BIG_ANSWERS_EACH
-from breastrig.gltf.write_rig import write_rig
+from breastrig_studies.output.rig_files import write_rig
 from load.share_readers import MOST_GROWTH_MB, ShareReaders, run_share_readers
 
 pytestmark = pytest.mark.long

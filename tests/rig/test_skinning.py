@@ -11,11 +11,11 @@ from helpers.random_pose import random_parameters, skinned_by
 from breastrig.core.errors import BadModel
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import read_rig
-from breastrig.gltf.write_rig import write_rig
 from breastrig.rig.model import Rig, Skinning
 from breastrig.rig.named_parameters import sampled
 from breastrig.rig.parameters import rest_parameters
 from breastrig.rig.skinning import Posed, in_pose, pose
+from breastrig_studies.output.rig_files import write_rig
 
 WAYS: tuple[Skinning, ...] = ("linear", "dual_quaternion", "corrective")
 

@@ -13,7 +13,7 @@ from helpers.remembered_uploads import remembering_uploads
 from helpers.toy_rig import toy_rig
 from helpers.uploads import torso as torso_ply
 
-from breastrig.gltf.write_rig import write_rig
+from breastrig_studies.output.rig_files import write_rig
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -17,11 +17,11 @@ from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.gltf.write_rig import write_rig
 from breastrig.service.kept_models import KeptModels
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.use.values.model import load_model
+from breastrig_studies.output.rig_files import write_rig
 
 
 @contextmanager

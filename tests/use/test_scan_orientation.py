@@ -16,7 +16,6 @@ from breastrig.core.assets import asset_folder
 from breastrig.fitting import hypotheses, prepare_scan, propose, solve
 from breastrig.fitting.task import FitIterate, FitTask
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.gltf.write_rig import write_rig
 from breastrig.scan.around import background
 from breastrig.scan.hand_cuts import HandCut, cut_triangles
 from breastrig.scan.read import read_scan
@@ -25,6 +24,7 @@ from breastrig.use.landmarks import ProposeJob, propose_on_file
 from breastrig.use.read_upload import UploadJob, read_upload
 from breastrig.use.steps.events import Event
 from breastrig.use.steps.settings import FitJob
+from breastrig_studies.output.rig_files import write_rig
 
 pytestmark = pytest.mark.long
 

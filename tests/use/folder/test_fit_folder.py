@@ -13,7 +13,6 @@ from helpers.results import without_hashes
 from breastrig.core.assets import asset_folder
 from breastrig.core.errors import BadInput
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.gltf.write_rig import write_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.modes import with_modes
 from breastrig.rig.skinning import pose
@@ -24,6 +23,7 @@ from breastrig.use.fit import run_fit
 from breastrig.use.folder.fit_folder import read_fit_folder
 from breastrig.use.steps.events import Done
 from breastrig.use.steps.settings import FitJob
+from breastrig_studies.output.rig_files import write_rig
 
 EXAMPLE = asset_folder("example") / "standing"
 
