@@ -8,18 +8,9 @@ from breastrig.audit.deletions import left_of
 from breastrig.audit.read import check, deletions, lines_from
 from breastrig.cases.case_folder import utc_now
 from breastrig.core.errors import Conflict, NotFound
-from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.version import __version__
 from breastrig.report.pages.typeset import typeset
 
 NONE = "The audit log has no deletion of this id; give the id of a patient or scan that was deleted."
-NOT_COVERED = (
-    "Backups: they hold the data until they are themselves deleted. BreastRig restores no patient whose deletion it "
-    "knows of unless it is asked to.",
-    "Files that people have exported or printed, and what visitors of links have kept.",
-    "Free space of the disk: deleted blocks are overwritten by other files in time, not by BreastRig.",
-    "This audit log: it keeps the random ids and the times, and no code, name or content.",
-)
 
 
 @dataclass(frozen=True)
@@ -32,15 +23,7 @@ class Certificate:
 
     def pdf(self) -> bytes:
         """One A4 page."""
-        content = {
-            "title": "Certificate of deletion",
-            "rows": self.rows,
-            "said": self.said,
-            "not_covered": NOT_COVERED,
-            "limits": LIMITS_OF_USE,
-            "program": f"BreastRig {__version__}",
-        }
-        return bytes(typeset("pages", "deletion.typ", content))
+        return bytes(typeset("pages", "deletion.typ", {"rows": self.rows, "said": self.said}))
 
 
 def certificate(root: Path, of: str) -> Certificate:

@@ -8,9 +8,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.identity import UNNAMED, Identity
-from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.stances import SIDES
-from breastrig.core.version import __version__
 from breastrig.drawings.line_error import drawn_error
 from breastrig.languages.catalogue import ENGLISH
 from breastrig.languages.translation import Typed
@@ -24,16 +22,6 @@ OVERLAP = 10.0  # mm that two sheets have in common
 AROUND = 8.0  # mm around a piece, for names
 SHIFT = 10.0  # mm between places that are tried for a piece on its sheets
 PINS = 10.0  # mm between two places to prick through
-TITLE = "Template in true size"
-USE = (
-    "Print at 100 % (not “fit to page”), then measure both scale bars: each is 100 mm. Join sheets at the crosses.",
-    "Cut along the grey outline, slits too. Edges with one letter meet on the skin. The printed side is outside, "
-    "the arrow points to the head.",
-    "In the position of this template, lay the holes on notch and nipple, then follow the line. Prick through the "
-    "dots, or cut along the line on one side of it.",
-    "The sides are the patient's. Landmarks are where the scan has them: look at the patient before you cut.",
-)
-OUTSIDE = "Where a line is dashed it is more than 1 mm off; dotted, the scan shows no skin there."
 
 
 def template_pdf(
@@ -57,16 +45,12 @@ def template_content(
     scanned = next((day for day in identity.scanned if day), "")
     made = identity.made
     return {
-        "title": TITLE,
         "made": None if made is None else [made.year, made.month, made.day],
         "code": Typed(identity.code),
         "position": position,
         "scan": ["scan received" if identity.received else "scanned", scanned],
         "plan": [f"plan, version {identity.plan_version}" if identity.plan_version else "plan", identity.planned],
-        "limits": LIMITS_OF_USE,
-        "program": f"BreastRig {__version__}",
         "overlap": OVERLAP,
-        "use": [*USE, OUTSIDE],
         "said": list(said),
         "pieces": [_piece(piece) for piece in pieces],
     }

@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.identity import UNNAMED, Identity
-from breastrig.core.notice import LIMITS_OF_USE
 from breastrig.core.stances import SIDES
-from breastrig.core.version import __version__
 from breastrig.drawings.line_error import ACROSS, drawn_error
 from breastrig.files.result import Distances, ResultFile, SurfaceDistances
 from breastrig.fitting.uncertainty.radii import HOLDS_90
@@ -50,7 +48,6 @@ from breastrig.report.table import (
 from breastrig.scan.unscaled import unscaled
 
 PAGE_PPI = 144.0  # of pages as pictures: 1190 x 1684 pixels, on which 6.5 point type is read on a screen and on paper
-TITLE = "Plan and measures from a 3D scan"
 KINDS = {  # of rows, in this order
     "along the skin": "Along the skin (mm)",
     "straight": "Straight (mm)",
@@ -145,12 +142,9 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         f"{WARNINGS[level]} ({one.name})" for one, level in zip(stances, levels, strict=True) if level in WARNINGS
     ]
     return {
-        "title": TITLE,
         "made": None if made is None else [made.year, made.month, made.day, made.hour, made.minute, made.second],
         "code": Typed(identity.code),
         "facts": _facts(stances, identity),
-        "program": f"BreastRig {__version__}",
-        "limits": LIMITS_OF_USE,
         "checkable": not any(one.result.predicted for one in stances),
         "warning": " · ".join(warned),
         "verdicts": [_verdict(one) for one in stances],

@@ -6,8 +6,6 @@ from typing import Any
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.core.notice import LIMITS_OF_USE
-from breastrig.core.version import __version__
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.languages.catalogue import ENGLISH
 from breastrig.rendering.picture import Layer, camera, render
@@ -16,7 +14,6 @@ from breastrig.report.pictures import SCAN_GREY, jpeg
 from breastrig.rig.model import Rig
 
 NAME = "scan_protocol.pdf"
-TITLE = "Scans with marks"
 # Of the left side: shares of landmarks, looked for on the skin from the front.  The first are on the breast, whose
 # lines they narrow (docs/decisions/0034-marks.md), the others around it.
 DOTS: tuple[tuple[str, dict[str, float]], ...] = (
@@ -35,29 +32,6 @@ DOTS: tuple[tuple[str, dict[str, float]], ...] = (
 FIRST = 4  # of each side, where eight are enough
 PIXELS = 900
 
-TEXTS: dict[str, list[str]] = {
-    "dots": [
-        "With a skin marker, before the first scan: dots of 3 mm. All scans show the same dots; renew none in between.",
-        "Places need not be exact. What counts is that one dot has one number in every scan. Moles will do, too.",
-    ],
-    "arms": [
-        "Supine: the arms lie as they will in theatre, on both sides alike; the breast moves with the arm. Standing: "
-        "away from the body, so that both sides of the breasts are seen.",
-        "Even light without hard shadows; colours with a texture of 0.7 mm or finer, so that dots are seen. From above "
-        "the notch to below the navel; no closing of holes and no smoothing.",
-    ],
-    "length": [
-        "Straight from the notch above the breastbone to the nipple, with a caliper or a taut tape, not along the "
-        "skin, in the position of the scan. One side is enough. It gives the scan its true size, which many phone apps "
-        "miss by some per cent.",
-    ],
-    "scans": ["Standing", "Supine, on the table as for the operation", "Prone, or as in the MRI (where there is one)"],
-    "page": [
-        "Drop all scans at once. On each: Body, Set points myself, Add a mark; give each dot its number as its name.",
-        "Then Details, True size: from the notch, to the nipple, the length in cm, Apply.",
-    ],
-}
-
 
 @cache
 def protocol_pdf(language: str = ENGLISH) -> bytes:
@@ -75,14 +49,10 @@ def _content(rig: Rig) -> dict[str, Any]:
         is_first = (number - 1) % count < FIRST
         marks.append({"number": str(number), "x": 0.5 + right, "y": 0.5 - up, "first": is_first})
     return {
-        "title": TITLE,
-        "limits": LIMITS_OF_USE,
-        "program": f"BreastRig {__version__}",
         "picture": list(jpeg(picture)),
         "marks": marks,
         "places": [[f"{k} · {k + count}", place] for k, (place, _) in enumerate(DOTS, start=1)],
         "few": f"Eight are enough: 1 to {FIRST} and {count + 1} to {count + FIRST}, the filled ones.",
-        **TEXTS,
     }
 
 
