@@ -25,6 +25,7 @@ from breastrig.storage.storage import Storage
 from breastrig.use.steps.events import Iterated
 
 MOST_ITERATION = 2**31  # a larger number is no offset for every database
+Accepted = tuple[wire.FitAccepted, int, dict[str, str]]
 FITS_TAG = {"name": "fits", "description": "Fit the model to a scan, follow it live, fetch the results."}
 
 fits = APIBlueprint("fits", __name__, url_prefix="/api/fits", tag=FITS_TAG)
@@ -36,9 +37,7 @@ fits_of_scans = APIBlueprint("fits_of_scans", __name__, url_prefix="/api/scans",
 @fits.input(wire.FitHeaders, location="headers")
 @fits.output(wire.FitAccepted, status_code=202, description="The fit waits for a worker")
 @fits.doc(operation_id="startFit", responses={404: "No such scan", 429: "Too many of yours are waiting"})
-def start_fit(
-    json_data: wire.FitRequest, headers_data: wire.FitHeaders
-) -> tuple[wire.FitAccepted, int, dict[str, str]]:
+def start_fit(json_data: wire.FitRequest, headers_data: wire.FitHeaders) -> Accepted:
     """Fit the model to a scan
 
     With an `Idempotency-Key` the same request may be sent again: it is answered with the fit that it started
@@ -61,8 +60,12 @@ def start_fit(
         _once(headers_data.idempotency_key, json_data),
         client=client_of(request.remote_addr),
     )
+    return _accepted(fit_id)
+
+
+def _accepted(fit_id: str) -> Accepted:
     cuts = cuts_digest(get_fit(storage, fit_id).cuts)
-    answer = wire.FitAccepted(id=fit_id, links=fit_links(fit_id), cuts=cuts)
+    answer = wire.FitAccepted(id=fit_id, links=wire.FitLinks.at(f"/api/fits/{fit_id}"), cuts=cuts)
     return answer, 202, {"Location": answer.links.self}
 
 
@@ -119,16 +122,14 @@ def _once(key: str | None, asked: wire.FitRequest) -> Once | None:
 @fits.input(wire.PredictionRequest)
 @fits.output(wire.FitAccepted, status_code=202, description="The prediction waits for a worker, or is there already")
 @fits.doc(operation_id="predictStance", responses={409: "Not done", 429: "Too many of yours are waiting"})
-def predict_stance(fit_id: str, json_data: wire.PredictionRequest) -> tuple[wire.FitAccepted, int, dict[str, str]]:
+def predict_stance(fit_id: str, json_data: wire.PredictionRequest) -> Accepted:
     """Predict how the patient lies in a stance that was not scanned
 
     It is a fit of the same scan, marked `predicted_from`, with the events, files, plan and report of one; its
     uncertainty says how far off it may be.  The same prediction is made once, however often it is asked for.
     """
     made = service.add_prediction(fit_id, json_data.stance, client_of(request.remote_addr))
-    cuts = cuts_digest(get_fit(storage, made).cuts)
-    answer = wire.FitAccepted(id=made, links=fit_links(made), cuts=cuts)
-    return answer, 202, {"Location": answer.links.self}
+    return _accepted(made)
 
 
 @fits.get("")
@@ -215,10 +216,6 @@ def show_iteration(fit_id: str, iteration: int) -> Response:
     return bytes_answer(content, GLTF, PERSONAL)
 
 
-def fit_links(fit_id: str) -> wire.FitLinks:
-    return wire.FitLinks.at(f"/api/fits/{fit_id}")
-
-
 def fit_answer(row: StoredFit) -> wire.Fit:
     """The stored row as the API shows it."""
     return _answers([row])[0]
@@ -235,7 +232,7 @@ def _answers(rows: Sequence[StoredFit]) -> list[wire.Fit]:
             landmarks=row.landmarks_mm,
             marks=row.marks_mm,
             cuts=cuts_digest(row.cuts),
-            links=fit_links(row.id),
+            links=wire.FitLinks.at(f"/api/fits/{row.id}"),
         )
         for row in rows
     ]

@@ -4,7 +4,7 @@ import mimetypes
 from os.path import isfile
 from pathlib import Path
 
-from flask import Blueprint, Response, abort, request
+from flask import Blueprint, Response, abort, render_template, request
 from werkzeug.routing import BaseConverter
 from werkzeug.security import safe_join
 
@@ -14,7 +14,7 @@ from breastrig.api.app_context import config, storage
 from breastrig.api.routes.sign_in import lead_to, sign_in_with
 from breastrig.core.assets import asset_folder
 
-page = Blueprint("page", __name__)
+page = Blueprint("page", __name__, template_folder="templates")
 
 
 class PageFile(BaseConverter):
@@ -22,15 +22,6 @@ class PageFile(BaseConverter):
 
     part_isolating = False
     regex = r"(?!api(?:/|$)|(?:healthz|readyz|metrics)$)[^/].*?"
-
-
-NOT_BUILT = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><title>BreastRig</title>
-<h1>The page is not built</h1>
-<p>The service runs, but this copy holds no page: run <code>make serve</code> in the checkout, or install the wheel.</p>
-<p>Scripts can use it all the same: <a href="/api/docs">the API</a>.</p>
-</html>
-"""
 
 
 @page.get("/")
@@ -53,7 +44,9 @@ def index() -> Response:
         return lead_to("/sign-in")
     folder = _folder()
     if not (folder / "index.html").is_file():
-        return Response(NOT_BUILT, 503, mimetype="text/html", headers={"Cache-Control": "no-store"})
+        return Response(
+            render_template("not_built.html"), 503, mimetype="text/html", headers={"Cache-Control": "no-store"}
+        )
     return _file(folder, "index.html", CHECK_AGAIN)
 
 

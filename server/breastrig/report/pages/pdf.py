@@ -67,30 +67,6 @@ WARNINGS = {
     "check": "CHECK THIS FIT: see doubts and notes",
     "unusable": "NOT USABLE: see doubts and notes",
 }
-METHODS = (  # a sentence, and the measure that it is about; none for what holds of all
-    ("Left and right are the patient's; ± is the larger side of a band that contains nine of ten true values.", None),
-    (TRUE_SIZE := "All lengths and bands take the scan's size as true.", None),
-    (f"{VAGUELY_KNOWN.capitalize()}: the band is wider than a tenth of the number.", None),
-    ("Straight: distance in space. Along the skin: shortest path on the fitted model's skin, holes bridged.", None),
-    ("Landmarks as picked, else as seen in the scan's colours, else of the model.", None),
-    (
-        "Nipple to midline: at right angles to the model's median plane; along the skin to its midline.",
-        "nipple_midline",
-    ),
-    ("Base width: between the most medial and most lateral point of the model's breast outline.", "base_width"),
-    (
-        "Volume: between the skin inside that outline and a smooth chest wall (a thin-plate spline through the skin "
-        "on, 10 and 20 mm outside it); its band contains the outline moved 5 mm in and out and the distance between "
-        "fit and scan; a change within the bands says nothing.",
-        "volume",
-    ),
-    ("M1 to M6: ratios of left and right (Reddy et al. 2017); every patient has some asymmetry.", "M1"),
-    (
-        "Ptosis I: nipple at the fold or up to 10 mm below; II: up to 30 mm; III: more, or at the lowest contour; "
-        "glandular: only the lowest point hangs, 20 mm and more below the fold.",
-        "ptosis",
-    ),
-)
 NO_TRUE_SIZE = (
     "The size of a scan is not known: lengths may be {:.0f} % off, volumes {:.0f} %, also beyond their bands."
 )
@@ -159,19 +135,17 @@ def report_content(stances: Sequence[Reported], identity: Identity) -> dict[str,
         "uncertainty": _uncertainty(stances),
         "settings": _settings(stances),
         "doubts": [*stances[0].doubts, *_remarks(stances)],
-        "methods": methods(stances),
+        "measured": sorted({row.measure for one in stances for row in one.rows}),
+        "no_true_size": _no_true_size(stances),
         "tape": [sheet for one in stances if (sheet := tape_sheet(one.name, one.stance)) is not None],
     }
 
 
-def methods(stances: Sequence[Reported]) -> str:
-    """The sentences on how the numbers of the tables were measured."""
-    measured = {None, *(row.measure for one in stances for row in one.rows)}
-    said = " ".join(sentence for sentence, measure in METHODS if measure in measured)
-    if all(one.result.size_known for one in stances):
-        return said
+def _no_true_size(stances: Sequence[Reported]) -> str:
+    """How far off all numbers may be besides; empty where the sizes of all scans are known."""
     share = HOLDS_90 * unscaled().deviation
-    return said.replace(TRUE_SIZE, NO_TRUE_SIZE.format(100.0 * share, 100.0 * ((1.0 + share) ** 3 - 1.0)))
+    known = all(one.result.size_known for one in stances)
+    return "" if known else NO_TRUE_SIZE.format(100.0 * share, 100.0 * ((1.0 + share) ** 3 - 1.0))
 
 
 def _facts(stances: Sequence[Reported], identity: Identity) -> list[list[str]]:
