@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-EXTRAS = "server,mri,volume,dask,pacs"
+EXTRAS = "server,users,mri,volume,dask,pacs,backup"
 
 
 def line(wheel: Path) -> str:

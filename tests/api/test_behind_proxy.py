@@ -1,4 +1,4 @@
-"""The service behind a real nginx with the documented configuration, TLS and all; and whom it does not believe."""
+"""The service behind real proxies, nginx as documented, Caddy as shipped, with TLS; and whom it does not believe."""
 
 import ssl
 from collections.abc import Callable, Iterator
@@ -9,6 +9,7 @@ from pathlib import Path
 import httpx
 import pytest
 import trustme
+from helpers.caddy import caddy_in_front_of
 from helpers.nginx import in_front_of
 from helpers.raw_http import answer, connected, request
 from helpers.real_server import server
@@ -24,8 +25,8 @@ BEARER = {"Authorization": f"Bearer {TOKEN}"}
 @dataclass(frozen=True)
 class Behind:
     port: int  # of the service itself
-    proxy_port: int
-    client: Callable[..., httpx.Client]  # one that asks the proxy; `address` is where it asks from
+    proxy_ports: dict[str, int]
+    client: Callable[..., httpx.Client]  # one that asks a proxy; `address` is where it asks from
     trust: ssl.SSLContext
     log: Path
 
@@ -42,18 +43,24 @@ def behind(tmp_path_factory: pytest.TempPathFactory, model: Path, repository: Pa
             server(folder / "data", model, folder / "log", *options, BREASTRIG_TOKEN=TOKEN)
         )
         port = int(address.rstrip("/").rsplit(":", 1)[1])
-        proxy_port = stack.enter_context(in_front_of(port, readme, authority))
+        caddyfile = repository / "server/packaging/deploy/Caddyfile"
+        proxy_ports = {
+            "nginx": stack.enter_context(in_front_of(port, readme, authority)),
+            "caddy": stack.enter_context(caddy_in_front_of(port, caddyfile, NAME, authority, folder)),
+        }
 
-        def client(address: str = "127.0.0.1", host: str = NAME, **headers: str) -> httpx.Client:
+        def client(
+            address: str = "127.0.0.1", host: str = NAME, through: str = "nginx", **headers: str
+        ) -> httpx.Client:
             made = httpx.Client(
-                base_url=f"https://127.0.0.1:{proxy_port}",
+                base_url=f"https://127.0.0.1:{proxy_ports[through]}",
                 headers={"Host": host, **headers},
                 transport=_ByName(NAME, verify=trust, local_address=address),
                 timeout=PATIENCE_S,
             )
             return stack.enter_context(made)
 
-        yield Behind(port, proxy_port, client, trust, folder / "log")
+        yield Behind(port, proxy_ports, client, trust, folder / "log")
 
 
 class _ByName(httpx.HTTPTransport):
@@ -69,8 +76,9 @@ class _ByName(httpx.HTTPTransport):
 
 
 @pytest.mark.slow
-def test_a_browser_signs_in_over_tls_and_its_cookie_is_for_tls_only(behind: Behind) -> None:
-    browser = behind.client(Origin=f"https://{NAME}")
+@pytest.mark.parametrize("proxy", ["nginx", "caddy"])
+def test_a_browser_signs_in_over_tls_and_its_cookie_is_for_tls_only(behind: Behind, proxy: str) -> None:
+    browser = behind.client(through=proxy, Origin=f"https://{NAME}")
     assert browser.get("/").headers["Location"] == "/sign-in"
     signed_in = browser.post("/sign-in", data={"token": TOKEN})
     assert (signed_in.status_code, signed_in.headers["Location"]) == (303, "/")
@@ -103,8 +111,11 @@ def test_metrics_stay_closed_to_outsiders_whatever_they_say_of_themselves(behind
 
 
 @pytest.mark.slow
-def test_guesses_are_counted_for_each_real_client_and_the_right_token_passes(behind: Behind) -> None:
-    guesser, colleague = behind.client("127.0.0.40"), behind.client("127.0.0.41")
+@pytest.mark.parametrize(("proxy", "net"), [("nginx", 40), ("caddy", 60)])
+def test_guesses_are_counted_for_each_real_client_and_the_right_token_passes(
+    behind: Behind, proxy: str, net: int
+) -> None:
+    guesser, colleague = (behind.client(f"127.0.0.{net + each}", through=proxy) for each in (0, 1))
     most = rate_limits.PER_MINUTE["bearer"].amount
     wrong = [
         {"Authorization": f"Bearer guess-{number}", "X-Forwarded-For": f"8.8.8.{number}"} for number in range(most + 1)
@@ -119,8 +130,9 @@ def test_guesses_are_counted_for_each_real_client_and_the_right_token_passes(beh
 
 
 @pytest.mark.slow
-def test_events_come_through_as_they_happen(behind: Behind, torso: bytes) -> None:
-    client = behind.client(**BEARER)
+@pytest.mark.parametrize("proxy", ["nginx", "caddy"])
+def test_events_come_through_as_they_happen(behind: Behind, torso: bytes, proxy: str) -> None:
+    client = behind.client(through=proxy, **BEARER)
     made = client.post("/api/scans", files={"file": ("torso.ply", torso)})
     assert made.status_code == 201
     body = {"scan": made.json()["id"], "drawing": None, "preset": "paper"}  # goes on for ten seconds
@@ -137,12 +149,19 @@ def test_events_come_through_as_they_happen(behind: Behind, torso: bytes) -> Non
     assert client.delete(made.json()["links"]["self"]).status_code == 204
 
 
-def test_uploads_are_refused_with_our_own_sentences_before_they_are_sent(behind: Behind, torso: bytes) -> None:
+@pytest.mark.parametrize("proxy", ["nginx", "caddy"])
+def test_uploads_of_strangers_are_refused_with_our_own_sentence(behind: Behind, torso: bytes, proxy: str) -> None:
     files = {"file": ("torso.ply", torso * 40)}  # 5 MB, more than any buffer on the way
-    refused = behind.client().post("/api/scans", files=files)
+    refused = behind.client(through=proxy).post("/api/scans", files=files)
     assert (refused.status_code, refused.headers["Content-Type"]) == (401, "application/problem+json")
+
+
+def test_too_large_an_upload_is_refused_with_our_own_sentence_before_it_is_sent(behind: Behind) -> None:
     announced = {"Content_Type": "multipart/form-data; boundary=b", "Content_Length": 1_074_000_000}
-    with connected(behind.proxy_port) as plain, behind.trust.wrap_socket(plain, server_hostname=NAME) as connection:
+    with (
+        connected(behind.proxy_ports["nginx"]) as plain,  # Caddy waits for some of what was announced
+        behind.trust.wrap_socket(plain, server_hostname=NAME) as connection,
+    ):
         connection.sendall(request("/api/scans", "POST", Host=NAME, **announced, **BEARER))
         too_large = answer(connection)
     assert too_large.status == 413

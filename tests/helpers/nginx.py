@@ -46,9 +46,7 @@ def in_front_of(port: int, readme: str, authority: trustme.CA) -> Iterator[int]:
     assert name
     with tempfile.TemporaryDirectory(prefix="nginx-", dir="/tmp") as place:
         folder, own_port = Path(place), free_port()
-        certificate = authority.issue_cert(name[1])
-        certificate.private_key_pem.write_to_path(str(folder / "key"))
-        certificate.cert_chain_pems[0].write_to_path(str(folder / "certificate"))
+        certified(name[1], authority, folder)
         changes = {
             "listen 443 ssl": f"listen 127.0.0.1:{own_port} ssl",
             "/etc/ssl/certs/scans.pem": str(folder / "certificate"),
@@ -61,21 +59,35 @@ def in_front_of(port: int, readme: str, authority: trustme.CA) -> Iterator[int]:
             f"{user}daemon off;\npid {folder / 'pid'};\nerror_log stderr;\nevents {{}}\n"
             f"http {{\naccess_log off;\n{paths}{moved(found[1], changes)}}}\n"
         )
-        with (folder / "log").open("w") as log:
-            command = [program(), "-p", place, "-c", str(folder / "nginx.conf"), "-e", "stderr"]
-            process = subprocess.Popen(command, stdout=log, stderr=log)
-        try:
-
-            def ready() -> bool:
-                assert process.poll() is None, (folder / "log").read_text()
-                with socket.socket() as probe:
-                    return probe.connect_ex(("127.0.0.1", own_port)) == 0
-
-            until(ready, "nginx")
+        command = [program(), "-p", place, "-c", str(folder / "nginx.conf"), "-e", "stderr"]
+        with listening(command, own_port, folder / "log"):
             yield own_port
-        finally:
-            process.terminate()
-            process.wait(timeout=PATIENCE_S)
+
+
+def certified(name: str, authority: trustme.CA, folder: Path) -> None:
+    """Writes `key` and `certificate`."""
+    made = authority.issue_cert(name)
+    made.private_key_pem.write_to_path(str(folder / "key"))
+    made.cert_chain_pems[0].write_to_path(str(folder / "certificate"))
+
+
+@contextmanager
+def listening(command: list[str], port: int, log: Path, **environment: str) -> Iterator[None]:
+    """A program that runs and listens at the port."""
+    with log.open("w") as stream:
+        process = subprocess.Popen(command, stdout=stream, stderr=stream, env={**os.environ, **environment})
+    try:
+
+        def ready() -> bool:
+            assert process.poll() is None, log.read_text()
+            with socket.socket() as probe:
+                return probe.connect_ex(("127.0.0.1", port)) == 0
+
+        until(ready, command[0])
+        yield
+    finally:
+        process.terminate()
+        process.wait(timeout=PATIENCE_S)
 
 
 def free_port() -> int:

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from breastrig.scan.limits import IMAGE_ZIP_BYTES, MEBIBYTE
+
 DEPLOY = Path("server/packaging/deploy")
 EXPOSURE = 20  # tenths, of 100: what systemd-analyze calls OK begins at 50
 
@@ -69,6 +71,20 @@ def test_caddy_reads_its_file(repository: Path, tmp_path: Path) -> None:
     found = run(program("caddy"), "validate", "--config", file, "--adapter", "caddyfile", **home)
     assert found.returncode == 0, found.stderr
     assert run(program("caddy"), "fmt", file, **home).stdout == file.read_text()
+
+
+def test_caddy_takes_what_we_take(repository: Path) -> None:
+    found = re.search(r"max_size (\d+)MB", (repository / DEPLOY / "Caddyfile").read_text())
+    assert found
+    assert int(found[1]) * 1_000_000 > IMAGE_ZIP_BYTES + MEBIBYTE
+
+
+def test_whoever_installs_has_what_a_clinic_is_promised(repository: Path) -> None:
+    promised = {"server", "users", "mri", "volume", "pacs", "backup"}  # sign-in, archive, backup: the how-to pages
+    for file in (DEPLOY / "Dockerfile", DEPLOY / "breastrig.service", Path("server/packaging/wheelhouse.py")):
+        extras = re.search(r"[\[\"](server,[a-z,]+)[\]\"]", (repository / file).read_text())
+        assert extras, file
+        assert promised <= set(extras[1].split(",")), file
 
 
 def test_systemd_takes_the_unit_and_finds_it_closed(repository: Path, tmp_path: Path) -> None:
