@@ -32,7 +32,7 @@ serve: page $(VENV)/.stamp-serve
 # Side by side, for each of them leaves a core idle half of the time; what they install and build is there before: two
 # installations at once are in each other's way.
 test: page packages programs
-	@"$(VENV)/bin/python" .ci/run_targets.py "$(MAKE)" check vitest browser pytest
+	@"$(VENV)/bin/python" .ci/run_targets.py "$(MAKE)" check vitest pytest browser
 
 check: web-packages $(VENV)/.stamp-test
 	"$(VENV)/bin/ruff" check .

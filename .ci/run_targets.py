@@ -1,10 +1,10 @@
 """Runs make's targets side by side: `python run_targets.py MAKE TARGET...`; fails when one of them fails.
 
 None of `make test`'s parts keeps all cores at work: each waits, for a server, for a browser's next frame, for its last
-test.  Together they do.  The last target takes longest: the others give way to it a little, so that all end at about
-the same time and the last minutes are not one part's alone.  What they print is not mixed up: the first target's lines
-come as they are printed, the next one's as soon as that has ended, and so on.  All are seen to their end, for who mends
-one wants to know of all.
+test.  Together they do.  The last target is the one that waits for what it sees, the browser's: the others give way to
+it, so that it is hardly slower than alone, on a slow machine too.  What they print is not mixed up: the first target's
+lines come as they are printed, the next one's as soon as that has ended, and so on.  All are seen to their end, for who
+mends one wants to know of all.
 """
 
 import os
@@ -16,7 +16,7 @@ from contextlib import ExitStack
 from typing import IO
 
 LOOK_EVERY_S = 0.2
-NICE = 3  # of all targets but the last: two of their processes count as one of its
+NICE = 5  # of all targets but the last: three of their processes count as one of its
 
 
 def show(target: str, process: subprocess.Popen[bytes], log: IO[bytes]) -> None:

@@ -30,13 +30,13 @@ export default defineConfig({
   workers: 2, // files side by side at one service: half of a test is waiting for the browser's next frame or the service
   retries: 0,
   forbidOnly: true,
-  timeout: 300_000, // two tests share the machine
-  expect: { timeout: 60_000 },
+  timeout: 600_000, // two tests share the machine, and machines differ by three times
+  expect: { timeout: 120_000 },
   reporter: "list",
   metadata: { chromium }, // for tests of what only the whole browser has
   use: {
     browserName: "chromium",
-    actionTimeout: 60_000, // as long as what is expected may take
+    actionTimeout: 120_000, // as long as what is expected may take
     viewport: { width: 1280, height: 720 },
     deviceScaleFactor: 0.25, // the same layout with a sixteenth of the pixels, all of which are drawn without a graphics card
     contextOptions: { reducedMotion: "reduce" }, // what moves is looked at where a file asks for it: workflow, day, basics

@@ -51,7 +51,7 @@ test("dropped together: image, lesion and scans become one patient, the lesion i
       const { id } = (await (await page.request.post(`${base}/api/fits`, { data: { scan, stance, landmarks: truth.landmarks[stance] } })).json()) as Fit;
       started[stance] = { id, scan };
     }
-    for (const { id } of Object.values(started)) await expect.poll(async () => ((await (await page.request.get(`${base}/api/fits/${id}`)).json()) as Fit).state, { timeout: 90_000 }).toBe("done");
+    for (const { id } of Object.values(started)) await expect.poll(async () => ((await (await page.request.get(`${base}/api/fits/${id}`)).json()) as Fit).state).toBe("done");
     const { prone, standing } = started;
     await page.goto("about:blank");
     await page.goto(`${base}/#scan=${prone!.scan}&fit=${prone!.id}&step=plan&other=${standing!.scan}&otherfit=${standing!.id}`);

@@ -116,7 +116,6 @@ test("closing ends the credential, also for a copy of it, and leaves an owner in
 });
 
 test("a visitor's day: what stood when the link was made, the present state when its owner says so, nothing when it is over", async ({ page, browser }) => {
-  test.setTimeout(240_000);
   const own = await owner.fitted("standing");
   const { id } = await owner.json<{ id: string }>(own.scan.self!);
   const { bounds_m: bounds } = await owner.json<{ bounds_m: { min: number[]; max: number[] } }>(own.scan.self!);
@@ -225,7 +224,6 @@ test("the browser's history does not list the secret, and after it was started a
 });
 
 test("wrong passcodes make one wait and are counted for the owner, and the right one opens the link all the same", async ({ page }) => {
-  test.setTimeout(300_000);
   const link = await owner.share(fit, { passcode: "the right one" });
   const guess = async (): Promise<void> => {
     await page.getByLabel("Passcode").fill("a wrong one");

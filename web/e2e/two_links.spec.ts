@@ -48,7 +48,6 @@ async function downloads(page: Page, tab: Tab): Promise<void> {
 }
 
 test("two tabs with two links show and give each its own, opened at once and loaded again at once", async ({ browser }) => {
-  test.setTimeout(600_000);
   const [first, second] = [await patient("standing"), await patient("supine")];
   expect(first.mean).not.toBe(second.mean);
   const context = await browser.newContext(); // one browser for all rounds: what is left of a round must not matter
