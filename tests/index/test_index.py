@@ -347,6 +347,23 @@ def test_a_rebuild_while_others_write_and_read_loses_no_secret(index: Index) -> 
     assert kept == set(written)
 
 
+def test_a_file_that_is_exchanged_before_a_reader_has_opened_it_is_not_missed(index: Index, root: Path, monkeypatch):
+    index.close()
+    connected = files.connected
+
+    def exchanged_first(file: Path) -> sqlite3.Connection:
+        monkeypatch.setattr(files, "connected", connected)
+        Index(root).rebuild()
+        return connected(file)
+
+    monkeypatch.setattr(files, "connected", exchanged_first)
+    assert codes(index) == ["Ärztin", "P 10", "P 2"]
+    index.close()
+    monkeypatch.setattr(files, "connected", lambda file: connected(file.with_name("not there")))
+    with pytest.raises(sqlite3.OperationalError):
+        codes(index)
+
+
 def test_two_programs_that_make_it_at_once_leave_one(index: Index, root: Path) -> None:
     others = [Index(root) for _ in range(3)]
     threads = [threading.Thread(target=other.rebuild) for other in others]

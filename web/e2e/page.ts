@@ -154,18 +154,20 @@ export async function openDetails(page: Page): Promise<void> {
 }
 
 /** Waits until no camera moves and nothing is drawn any more, however seldom a busy machine draws: then places on the screen hold still. */
-export async function untilStill(page: Page): Promise<void> {
-  let before = -1;
-  await expect
-    .poll(async () => {
-      await page.waitForTimeout(150);
-      const { frames, isAtRest } = await page.evaluate(() => ({ frames: window.__breastrig!.frames(), isAtRest: window.__breastrig!.isAtRest() }));
-      const isStill = isAtRest && frames === before;
-      before = frames;
+export const untilStill = async (page: Page): Promise<void> => {
+  await page.evaluate(() => (document.documentElement.dataset.frames = ""));
+  await page.waitForFunction(
+    () => {
+      const { dataset } = document.documentElement;
+      const frames = String(window.__breastrig!.frames());
+      const isStill = window.__breastrig!.isAtRest() && frames === dataset.frames;
+      dataset.frames = frames;
       return isStill;
-    })
-    .toBe(true);
-}
+    },
+    undefined,
+    { polling: 150 },
+  );
+};
 
 /** Before the page is opened: what it sends ten seconds late it does not send by itself, however long a busy machine takes. */
 export async function withoutEndOfTime(page: Page): Promise<void> {

@@ -227,7 +227,14 @@ class Index:
             each.close()
         if rows is None:
             assert now is not None
-            rows = files.connected(self.folder / now[0])
+            try:
+                rows = files.connected(self.folder / now[0])
+            except sqlite3.OperationalError:
+                if files.identity(self.folder) == now:
+                    raise
+                with self._connection() as rows:  # of the file that has taken its place meanwhile
+                    yield rows
+                return
         try:
             yield rows
         finally:
