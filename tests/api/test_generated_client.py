@@ -3,10 +3,12 @@
 import importlib
 import io
 import json
+import random
 import re
 import subprocess
 import sys
 import threading
+import zipfile
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 from types import ModuleType
@@ -18,6 +20,7 @@ from helpers.blank_pictures import blank_pictures_in_reports
 from helpers.image_uploads import IMAGE
 from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
+from PIL import Image
 
 from breastrig.api.answers import BINARY
 from breastrig.api.app import create_app
@@ -27,6 +30,7 @@ from breastrig.api.write_openapi import FILE
 from breastrig.core.assets import asset_folder
 from breastrig.execution.limits import FitLimits
 from breastrig.scan.kept_image import write_image
+from breastrig.service import reports
 from breastrig.service.service import Service
 from breastrig.storage.files import VOLUME
 from breastrig.storage.storage import Storage
@@ -59,6 +63,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, 
     config = Config()
     with pytest.MonkeyPatch.context() as patch, service.started():
         blank_pictures_in_reports(patch)
+        stand_in_for_reports(patch, service)
         server = Server(create_app(config, service).wsgi_app, config, 0, lambda: None, ServerLimits())
         runs = threading.Thread(target=server.run)
         runs.start()
@@ -68,6 +73,19 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, 
             server.stop()
             runs.join(20)
             server.close()
+
+
+def stand_in_for_reports(patch: pytest.MonkeyPatch, service: Service) -> None:
+    """Any bytes will do for what takes seconds to make, and whose content other tests look at."""
+    page, pages = io.BytesIO(), io.BytesIO()
+    Image.new("RGB", (200, 300), "white").save(page, "PNG")
+    with zipfile.ZipFile(pages, "w") as packed:
+        packed.writestr("1.png", page.getvalue())
+    names = ("report.pdf", "volume.vtu", "template.pdf", "dicom.zip")
+    made: dict[object, bytes] = {reports.MAKERS[name]: random.Random(name).randbytes(5000) for name in names}
+    made[reports.MAKERS["pages.zip"]] = pages.getvalue()
+    result = service.reports._processes.result
+    patch.setattr(service.reports._processes, "result", lambda task, *given: made.get(task) or result(task, *given))
 
 
 def module_of(generated: str, operation: dict[str, Any]) -> ModuleType:

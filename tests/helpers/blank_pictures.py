@@ -6,7 +6,13 @@ import pytest
 
 from breastrig.rendering.picture import Picture, Scene
 from breastrig.service import reports, share_snapshots
-from helpers.plain_report import plain_report_pages_of, plain_report_pdf_of, white, write_plain_snapshot
+from helpers.plain_report import (
+    plain_dicom_zip_of,
+    plain_report_pages_of,
+    plain_report_pdf_of,
+    white,
+    write_plain_snapshot,
+)
 
 COARSER = 4
 
@@ -20,6 +26,8 @@ def blank_pictures_in_reports(patch: pytest.MonkeyPatch) -> None:
     """From now on every report that services of this process have made, of links too, has such pictures."""
     patch.setitem(reports.MAKERS, "report.pdf", plain_report_pdf_of)
     patch.setitem(reports.MAKERS, "pages.zip", plain_report_pages_of)
+    patch.setitem(reports.MAKERS, "dicom.zip", plain_dicom_zip_of)
+    patch.setattr(reports, "dicom_zip_of", plain_dicom_zip_of)
     patch.setattr(share_snapshots, "write_snapshot", write_plain_snapshot)
 
 

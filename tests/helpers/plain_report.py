@@ -3,11 +3,13 @@
 For tests of how a report is asked for, kept and shown; what it shows is a question of other tests.
 """
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from breastrig.rendering.picture import Picture, Scene
+from breastrig.use.archive.objects import dicom_zip_of
 from breastrig.use.reports.report import ReportJob, report_pages_of, report_pdf_of
 from breastrig.use.reports.share_snapshot import SnapshotJob, write_snapshot
 
@@ -27,6 +29,12 @@ def plain_report_pages_of(job: ReportJob) -> bytes:
     """As `report_pages_of`."""
     _make_plain()
     return report_pages_of(job)
+
+
+def plain_dicom_zip_of(job: ReportJob, identities: Path | None = None) -> bytes:
+    """As `dicom_zip_of`."""
+    _make_plain()
+    return dicom_zip_of(job, identities)
 
 
 def write_plain_snapshot(job: SnapshotJob) -> None:

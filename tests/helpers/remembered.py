@@ -40,6 +40,7 @@ FUNCTIONS = {
     "breastrig.scan.orient": ("propose_frame",),
     "breastrig.scan.around.background": ("without_background",),
     "breastrig.scan.images.read_volumes": ("pieces_of",),
+    "breastrig.scan.images.skin.skin_of_image": ("skin_of_image",),
     "breastrig.drawings.plan_on_scan": ("_drawn",),
     "breastrig.drawings.transfer": ("transferred", "points_carried"),
     "breastrig.drawings.skin_maps.interior_map": ("moved_inside",),

@@ -12,11 +12,15 @@ PATIENCE_S = 120.0  # a busy machine; nothing waits that long when all is well
 
 
 def until(true: Callable[[], bool], what: str) -> None:
-    """Returns as soon as `true()` is; fails after PATIENCE_S."""
-    deadline = time.monotonic() + PATIENCE_S
+    """Returns soon after `true()` is; fails after PATIENCE_S.
+
+    The longer it has waited the more rarely it looks: looking takes the time that the others need.
+    """
+    began = time.monotonic()
     while not true():
-        assert time.monotonic() < deadline, f"waited in vain for: {what}"
-        time.sleep(0.005)
+        waited = time.monotonic() - began
+        assert waited < PATIENCE_S, f"waited in vain for: {what}"
+        time.sleep(min(0.005 + 0.05 * waited, 0.05))
 
 
 def ask_for_fit(service: Service, scan_id: str, preset: str = "default") -> str:

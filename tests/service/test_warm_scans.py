@@ -5,9 +5,11 @@ from pathlib import Path
 
 import pytest
 from helpers import fake_fit, fake_proposals
+from helpers.remembered_uploads import read_upload_once
 from helpers.waiting import ask_for_fit, ended, until
 
 from breastrig.core.assets import asset_folder
+from breastrig.service.scans import uploads
 from breastrig.service.service import Service
 from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.documents.scans import StoredScan
@@ -15,6 +17,12 @@ from breastrig.storage.documents.scans import StoredScan
 pytestmark = pytest.mark.long
 
 STANCES = ("standing", "supine")
+
+
+@pytest.fixture(autouse=True)
+def read_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was read before is not computed again, though a process is asked for it."""
+    monkeypatch.setattr(uploads, "read_upload", read_upload_once)
 
 
 def uploaded(service: Service, stance: str) -> StoredScan:

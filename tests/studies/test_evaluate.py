@@ -43,7 +43,7 @@ def fewer_fits() -> Iterator[None]:
     """Larger steps, fewer clickings, a free-form peer that stops early, small charts: the same questions."""
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plan, "COUNT_STEP", 28)
+        patch.setattr(plan, "COUNT_STEP", 55)
         for module in (plan, studies):
             patch.setattr(module, "FACTORS", FACTORS)
         patch.setattr(landmarks, "CLICKERS", 2)
@@ -273,7 +273,7 @@ def test_the_tables_of_the_studies_hold_what_was_measured(whole: Path) -> None:
     assert len(compliances) == len(FACTORS) * len(TERMS)
 
     shapes = {(row["order"], int(row["shapes"])): row for row in rows(whole / "blendshapes.csv")}
-    assert [count for order, count in shapes if order == "rig"] == [0, 28, 55]
+    assert [count for order, count in shapes if order == "rig"] == [0, 55]
     by_count = {len(r["settings"]["names"]): r["answer"] for r in found if r["question"] == "shape_count"}
     for order in ("rig", "usefulness"):
         for count in (0, 55):  # the same shapes in both orders
