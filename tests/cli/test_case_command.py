@@ -77,7 +77,7 @@ def test_scans_are_named_by_number_or_id_and_never_guessed(tmp_path: Path, capsy
         (["plan", "CASE", "-o", "x.json", "--seen", "0"], "belong to --put and --undo"),
         (["plan", "CASE", "--undo", "7"], "not kept any more"),
         (["plan", "CASE", "--undo", "7", "--version", "1"], "belong to -o"),
-        (["plan", "CASE", "--put", "NOWHERE"], "cannot be read"),
+        (["plan", "CASE", "--put", "NOWHERE"], "that can be read"),
         (["plan", "CASE", "--put", "CASE/case.json"], "no plan"),
         (["rename", "CASE", "--code", "a\u200bb"], "characters that nobody sees"),
     ],

@@ -57,6 +57,11 @@ def file_of(media_type: str, description: str) -> Any:
     return {"content": {one: {"schema": schema} for one in known}, "description": description}
 
 
+def media_type_of(name: str) -> str:
+    """Of a fit's or a link's file, by the ending of its name."""
+    return {".json": JSON, ".glb": GLB, ".pdf": PDF}.get(name[name.rindex(".") :], BINARY)
+
+
 def browser_forgets() -> None:
     """In a view that deletes: its answer, an error too, has the browser drop whatever it has kept all the same."""
 

@@ -67,10 +67,10 @@ def sure_text(result: ResultFile, drawn_mm: float | None) -> str:
     return ", ".join(filter(None, said))
 
 
-def half_width(radii: Sequence[float | None], share: float = OF_LENGTH) -> float | None:
+def half_width(radii: Sequence[float | None]) -> float | None:
     """Half of the 90 % band of a length from its ends' radii, in their unit; None where one is not known."""
     known = [radius for radius in radii if radius is not None]
-    return share * float(np.linalg.norm(known)) if len(known) == len(radii) and known else None
+    return float(np.linalg.norm(known)) if len(known) == len(radii) and known else None
 
 
 def shared_half_width(

@@ -77,10 +77,10 @@ def ptosis(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], joint: 
     if any(name.startswith("xiphoid") for name in folds):
         how += "; a fold that the breast covers is taken at the xiphoid's level"
     how = "; ".join([how, *unknown])
-    over, under, grades = (
-        [None if each is None else shown(each) for each in (sides.get(side) for side in SIDES)]
-        for shown in (_nipple, _lowest, _graded)
-    )
+    both = [sides.get(side) for side in SIDES]
+    over = [None if each is None else _mm(each.nipple, each.nipple_half) for each in both]
+    under = [None if each is None else _mm(each.lowest, each.lowest_half) for each in both]
+    grades = [None if each is None else _graded(each) for each in both]
     between = [_half_between(frame, list(sides.values()), which, joint) for which in (0, 1)]
     yield Row(
         "nipple_above_fold", "Nipple above fold", "in height", "mm", over[0], over[1], None, landmarks, how, nipples,
@@ -168,14 +168,6 @@ def _error(place: Place, errors: Heights) -> float | None:
 def _across(frame: BodyFrame, offset: Array) -> float:
     """m of a (3,) m offset at right angles to the body's axis: what a lean turns into height."""
     return float(np.linalg.norm(offset - (offset @ frame.axes[:, 1]) * frame.axes[:, 1]))
-
-
-def _nipple(heights: _Heights) -> Value:
-    return _mm(heights.nipple, heights.nipple_half)
-
-
-def _lowest(heights: _Heights) -> Value:
-    return _mm(heights.lowest, heights.lowest_half)
 
 
 def _mm(above: float, half: float | None) -> Value:

@@ -233,14 +233,11 @@ def _flat(stance: str, row: Row, step: float) -> dict[str, Cell]:
 
     cells: dict[str, Cell] = {"stance": stance, "measure": row.measure, "label": row.label}
     cells |= {"kind": row.kind, "unit": row.unit}
-    for side, value in (("left", row.left), ("right", row.right), ("value", row.value)):
+    numbers = {"left": row.left, "right": row.right, "value": row.value, "difference": row.difference}
+    for side, value in numbers.items():
         cells[side] = cut(value.value) if value else None
         cells[f"{side}_low"] = cut(value.low) if value else None
         cells[f"{side}_high"] = cut(value.high) if value else None
-    difference = row.difference
-    cells["difference"] = None if difference is None else cut(difference.value)
-    cells["difference_low"] = None if difference is None else cut(difference.low)
-    cells["difference_high"] = None if difference is None else cut(difference.high)
     cells["not_seen"] = "; ".join(row.not_seen)
     cells["not_known"] = "; ".join(row.not_known)
     cells["vague"] = "; ".join(row.vague)

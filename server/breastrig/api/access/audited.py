@@ -6,14 +6,15 @@ opening the same thing again within five minutes is one opening.
 """
 
 import sqlite3
-import threading
-import time
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
 from apiflask import APIFlask
 from flask import Response, g, request
+from limits import RateLimitItemPerMinute
+from limits.storage import MemoryStorage
+from limits.strategies import MovingWindowRateLimiter
 
 from breastrig.api.access.person import HOLDER, VISITOR, Role, current_person
 from breastrig.api.access.roles import LEAST, SAFE_METHODS
@@ -26,8 +27,7 @@ from breastrig.storage.storage import Storage
 OPEN, CHANGE, EXPORT, LINK, DELETE = "open", "change", "export", "link", "delete"
 BEFORE = (CHANGE, LINK, DELETE)  # written before it is done
 SENDS = ("reports.send_to_archive",)  # exports that leave the house: written before, too
-ONCE_S = 300.0  # openings of one thing by one person
-REMEMBERED = 20_000
+ONCE = RateLimitItemPerMinute(1, 5)  # openings of one thing by one person
 NAME_CHARACTERS = 100
 
 KINDS = {  # of calls whose kind does not follow from their method and role
@@ -82,7 +82,7 @@ def kind_of(endpoint: str, method: str) -> str | None:
 
 def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
     """Adds the hooks; to be registered after the guards, which refuse before anything is written."""
-    opened = _Opened()
+    opened = MovingWindowRateLimiter(MemoryStorage())
 
     @app.before_request
     def begin() -> None:
@@ -113,28 +113,10 @@ def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
             elif (
                 started is None
                 and status < 400
-                and (kind == EXPORT or (kind == OPEN and opened.is_new(who_asks(made), _opens())))
+                and (kind == EXPORT or (kind == OPEN and opened.hit(ONCE, who_asks(made), _opens())))
             ):
                 log.later(Entry(who_asks(made), kind, how, _of(storage) or _with_owner(storage, made), _name()))
         return response
-
-
-class _Opened:
-    """Who has opened what in the last minutes."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._last: dict[tuple[str, str], float] = {}
-
-    def is_new(self, who: str, what: str) -> bool:
-        now = time.monotonic()
-        with self._lock:
-            if now - self._last.get((who, what), -ONCE_S) < ONCE_S:
-                return False
-            if len(self._last) >= REMEMBERED:
-                self._last.clear()  # some openings are then written twice
-            self._last[who, what] = now
-            return True
 
 
 def who_asks(made: Mapping[str, str] = MappingProxyType({})) -> str:

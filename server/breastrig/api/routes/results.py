@@ -10,7 +10,7 @@ from typing import IO, Any
 from apiflask import APIBlueprint
 from flask import Response
 
-from breastrig.api.answers import BINARY, GLB, JSON, ZIP, file_of, in_memory, opened
+from breastrig.api.answers import BINARY, GLB, ZIP, file_of, in_memory, media_type_of, opened
 from breastrig.api.app_context import app_context, service, storage
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import checks as wire
@@ -22,15 +22,6 @@ from breastrig.storage.documents.fits import StoredFit, get_fit
 from breastrig.storage.files import OpenedFile, fit_place
 
 results = APIBlueprint("results", __name__, url_prefix="/api/fits", tag=FITS_TAG)
-
-MEDIA_TYPES = {
-    "result.json": JSON,
-    "fitted.glb": GLB,
-    "fitted.ply": BINARY,
-    "drawing.json": JSON,
-    "distances.bin": BINARY,
-    "uncertainty.bin": BINARY,
-}
 
 
 @results.get("/<fit_id>/result.json")
@@ -161,7 +152,7 @@ def _result_file(fit_id: str, name: str) -> Response:
     if file is None:
         raise NotFound(f"This fit has no {name}.")
     download_as = service.reports.file_name(name, fit_id)
-    return context.patients_file([fit.scan], file, MEDIA_TYPES[name], download_as)
+    return context.patients_file([fit.scan], file, media_type_of(name), download_as)
 
 
 def _done(fit_id: str) -> StoredFit:

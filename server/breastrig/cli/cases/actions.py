@@ -1,9 +1,7 @@
 """The actions of `breastrig case`: each takes its options and returns the exit code."""
 
 import argparse
-import json
 from contextlib import nullcontext
-from pathlib import Path
 
 from breastrig.audit.deletions import deletion
 from breastrig.audit.log import log_of_case
@@ -16,12 +14,12 @@ from breastrig.cli.options.output_options import writing_file
 from breastrig.cli.options.scan_options import say_segments
 from breastrig.core.documents import json_bytes
 from breastrig.core.errors import BadInput, NotFound
-from breastrig.core.private_files import read_ordinary, shown
+from breastrig.core.private_files import shown
+from breastrig.drawings.drawing_file import drawing_document
 from breastrig.scan.true_size import length_of
 from breastrig.scan.volumes.answers import segments_of_words
 from breastrig.use.cases.case import Case, CaseScan
 
-PLAN_BYTES = 50_000_000
 IN_TRUE_SIZE = (
     "The places were taken in the true size of this scan, {:.3f} times that of its own file. If they were "
     "picked on that file: case length --remove, case landmarks, then case length --put."
@@ -149,21 +147,11 @@ def plan(options: argparse.Namespace) -> int:
         number = case.undo(options.undo, options.seen)
     else:
         scan = _chosen(case, options.scan).id if options.scan else ""
-        number = case.put_plan(_document(options.put), options.seen, scan=scan, same_patient=options.same_patient)
+        number = case.put_plan(
+            drawing_document(options.put), options.seen, scan=scan, same_patient=options.same_patient
+        )
     print(f"version {number}")
     return 0
-
-
-def _document(file: Path) -> dict[str, object]:
-    try:
-        found = json.loads(read_ordinary(file, PLAN_BYTES))
-    except OSError as error:
-        raise BadInput(f"{shown(file)} cannot be read ({error.strerror}); check the name.") from error
-    except (ValueError, RecursionError) as error:
-        raise BadInput(f"{shown(file)} is no JSON; give a plan or drawing that BreastRig has written.") from error
-    if not isinstance(found, dict):
-        raise BadInput(f"{shown(file)} is no plan; give one that BreastRig has written.")
-    return found
 
 
 def show(options: argparse.Namespace) -> int:

@@ -12,7 +12,7 @@ from breastrig.api.app_context import service, storage
 from breastrig.api.errors import refuse
 from breastrig.api.wire import audit as wire
 from breastrig.audit.certificate import certificate
-from breastrig.audit.log import log_files
+from breastrig.audit.log import AuditLog, log_files
 from breastrig.audit.read import check, deletions, lines_from, read_mark
 
 LINES = "text/plain"
@@ -44,11 +44,15 @@ def show_page(query_data: wire.AuditQuery) -> str:
     return render_template("audit.html", lines=lines, older=older, checked=check(root), id=asked, deleted=deleted)
 
 
+def _log() -> AuditLog:
+    """With all that was done."""
+    service.audit.flush()
+    return service.audit
+
+
 def _page(asked: wire.AuditQuery) -> tuple[list[wire.AuditLine], int | None]:
     """Lines, and the number that the next page begins below; None after the last."""
-    log = service.audit
-    log.flush()
-    found = list(islice(lines_from(log.root, asked.id, asked.since, asked.before), asked.limit + 1))
+    found = list(islice(lines_from(_log().root, asked.id, asked.since, asked.before), asked.limit + 1))
     before = found[asked.limit - 1]["n"] if len(found) > asked.limit else None
     known = wire.AuditLine.model_fields.keys()
     lines = [
@@ -64,9 +68,7 @@ def _page(asked: wire.AuditQuery) -> tuple[list[wire.AuditLine], int | None]:
 @audit.doc(operation_id="checkAudit", responses={403: "Not an administrator"})
 def check_lines(query_data: wire.AnchorQuery) -> wire.AuditCheck:
     """Whether all lines are as they were written"""
-    log = service.audit
-    log.flush()
-    found = check(log.root, read_mark(query_data.anchor) if query_data.anchor else None)
+    found = check(_log().root, read_mark(query_data.anchor) if query_data.anchor else None)
     return wire.AuditCheck(lines=found.lines, end=str(found.end), fault=found.fault)
 
 
@@ -74,9 +76,7 @@ def check_lines(query_data: wire.AnchorQuery) -> wire.AuditCheck:
 @audit.doc(operation_id="getAuditLog", responses={200: file_of(LINES, "One line each"), 403: "Not an administrator"})
 def show_log() -> Response:
     """The whole audit log as it is kept"""
-    log = service.audit
-    log.flush()
-    files = log_files(log.folder)
+    files = log_files(_log().folder)
     headers = {"Content-Disposition": "attachment; filename=audit.jsonl", "Cache-Control": "no-store"}
     return Response((file.read_bytes() for file in files), mimetype=LINES, headers=headers)
 
@@ -93,8 +93,7 @@ def show_log() -> Response:
 )
 def show_certificate(deleted_id: str) -> Response:
     """The certificate of a deletion: what was removed, when, by whom, and what it does not cover"""
-    service.audit.flush()
-    found = certificate(storage.root, deleted_id)
+    found = certificate(_log().root, deleted_id)
     if found.who != who_asks() and not current_person().role.includes(Role.ADMINISTER):
         raise refuse(403, "A certificate is given to administrators, and to whoever has deleted the patient.")
     response = bytes_answer(service.reports.certificate(found), PDF, PERSONAL)

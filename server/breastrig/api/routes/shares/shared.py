@@ -8,7 +8,7 @@ own snapshot (service/share_snapshots.py), whatever has become of plan and scan 
 from apiflask import APIBlueprint
 from flask import Response, render_template
 
-from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of
+from breastrig.api.answers import BINARY, CHECK_AGAIN, GLB, JSON, PDF, bytes_answer, file_of, media_type_of
 from breastrig.api.app_context import app_context, config, storage
 from breastrig.api.big_answers import big_answer
 from breastrig.api.errors import refuse
@@ -39,16 +39,6 @@ NO_STORE = "no-store"
 CLEAR_CACHE = '"cache"'
 NOT_OPEN = "The link is not open in this browser"
 ENDED = "Expired or revoked"
-MEDIA_TYPES = {
-    "result.json": JSON,
-    "fitted.glb": GLB,
-    "fitted.ply": BINARY,
-    "drawing.json": JSON,
-    "plan.json": JSON,
-    "distances.bin": BINARY,
-    "report.pdf": PDF,
-    "mesh.glb": GLB,
-}
 OF_THE_SCAN = ("distances.bin", "report.pdf", "mesh.glb")
 
 
@@ -217,7 +207,7 @@ def _file(share_id: str, name: str, download_as: str | None = None) -> Response:
     return big_answer(
         app_context().big_answers,
         file,
-        MEDIA_TYPES[name],
+        media_type_of(name),
         visit.is_open,
         share_id=share_id,
         download_as=download_as or name,
