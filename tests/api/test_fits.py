@@ -10,6 +10,7 @@ from flask.testing import FlaskClient
 from helpers import fake_fit
 from helpers.on_disk import bytes_below
 from helpers.problems import problem
+from helpers.stored_fits import fit_ids
 from helpers.toy_rig import toy_rig
 from helpers.waiting import ended, until
 
@@ -18,7 +19,7 @@ from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
 from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.service.service import Service
-from breastrig.storage.documents.fits import NewFit, Once, fit_ids, get_fit
+from breastrig.storage.documents.fits import NewFit, Once, get_fit
 from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long

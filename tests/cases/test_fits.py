@@ -26,6 +26,7 @@ from breastrig.cases.fits import (
     is_at_work,
 )
 from breastrig.cases.layout import fit_part, new_id
+from breastrig.cases.writing import locked
 from breastrig.core.errors import Conflict, NotFound
 
 STARTED, STEP, DONE = {"kind": "started"}, {"kind": "iterated", "iteration": 0}, {"kind": "done", "result": {}}
@@ -183,7 +184,7 @@ def test_the_end_waits_for_who_writes_into_the_case(case: CaseFolder, scan: str,
 
     with claimed(case, scan, fit) as claim:
         assert claim is not None
-        with case.holding():
+        with locked(case.path):
             ending = threading.Thread(target=claim.append, args=(DONE,))
             ending.start()
             time.sleep(0.2)

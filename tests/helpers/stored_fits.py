@@ -31,3 +31,13 @@ def append(storage: Storage, fit_id: str, *events: dict[str, Any]) -> None:
         for event in events:
             claim.append(event)
     storage.index.refresh(case.id)
+
+
+def scan_ids(storage: Storage) -> set[str]:
+    """All scans that the index has."""
+    return storage.index.asked(lambda rows: {row[0] for row in rows.execute("SELECT id FROM scans")})
+
+
+def fit_ids(storage: Storage) -> set[str]:
+    """All fits that the index has."""
+    return storage.index.asked(lambda rows: {row[0] for row in rows.execute("SELECT id FROM fits")})

@@ -16,6 +16,7 @@ from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.fits import claimed
 from breastrig.cases.plans import put_plan
 from breastrig.cases.removal import delete_case, delete_scan, move_scan
+from breastrig.cases.writing import locked
 from breastrig.index import ballast
 from breastrig.index import file as files
 from breastrig.index.index import Index
@@ -128,7 +129,7 @@ def test_a_case_that_is_being_written_waits_for_the_next_look(index: Index, case
     done = threading.Event()
 
     def hold() -> None:
-        with case.holding():
+        with locked(case.path):
             held.set()
             done.wait(30)
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from torso_rules import LANDMARKS, torso_findings
 
 from breastrig.core.assets import packaged_models
 from breastrig.gltf.read_rig import read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import shaped
 from breastrig.rig.validation.rules import check_rig
-from breastrig.rig.validation.torso import LANDMARKS
 from breastrig.use.values.model import load_model
 
 BUILD_AGAIN = (
@@ -60,7 +60,7 @@ def test_the_model_was_built_from_these_steps_and_this_recipe(model_assets: Path
 
 
 def test_every_rule_of_the_contract_is_kept(torso: Rig) -> None:
-    assert [finding for finding in check_rig(torso, is_torso=True) if not finding.ok] == []
+    assert [finding for finding in torso_findings(torso) if not finding.ok] == []
 
 
 def test_the_chest_of_a_man_keeps_the_rules_of_any_rig_and_has_his_drawings() -> None:

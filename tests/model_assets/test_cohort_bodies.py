@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from torso_rules import LANDMARKS
 from virtual_patient.size import girth
 from virtual_patient.woman import AVERAGE, OLDEST, YOUNGEST, figure
 from virtual_patient.women import WOMEN
 
 from breastrig.geometry.closest_point import ClosestPointSearch
-from breastrig.rig.validation.torso import LANDMARKS
 from breastrig_studies.virtual.bodies import Bodies, VirtualBody, VirtualPatient, closed, cohort_folder, read_bodies
 
 

@@ -7,10 +7,10 @@ from typing import Literal
 import numpy as np
 import pytest
 import trimesh
+from torso_rules import LANDMARKS
 
 import breastrig
 from breastrig.core.assets import asset_folder
-from breastrig.rig.validation.torso import LANDMARKS
 
 STANCES = ("standing", "supine")
 PEN_MM = (334, 196, 183, 130, 103)  # lengths that were drawn whole: midline, meridians, fold, tumour

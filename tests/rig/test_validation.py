@@ -14,8 +14,8 @@ from breastrig.rig.validation.symmetry import other_side
 Breaking = Callable[[Rig], Rig]
 
 
-def broken_rules(rig: Rig, is_torso: bool = False) -> dict[str, Finding]:
-    return {finding.name: finding for finding in check_rig(rig, is_torso) if not finding.ok}
+def broken_rules(rig: Rig) -> dict[str, Finding]:
+    return {finding.name: finding for finding in check_rig(rig) if not finding.ok}
 
 
 def changed(array: np.ndarray, index: object, value: object) -> np.ndarray:
@@ -260,31 +260,6 @@ def test_a_body_part_without_sides_is_a_sound_rig_too(toy_rig: Rig) -> None:
     assert broken_rules(rig) == {}
 
 
-def test_the_packages_torso_must_be_a_whole_torso_and_no_other_rig_whatever_its_name(toy_rig: Rig) -> None:
-    assert broken_rules(replace(toy_rig, name="torso")) == broken_rules(toy_rig)
-    broken = broken_rules(toy_rig, is_torso=True)
-    assert {
-        "the size is right",
-        "it has the nine bones",
-        "it has the twelve landmarks",
-        "it has the drawing anatomy",
-        "it has the drawing lumpectomy",
-        "it has the drawing mastectomy",
-        "lines of both sides mirror each other",
-        "it has 55 shapes",
-        "the shapes cover breast and body",
-        "waist, neck and arms are open",
-        "landmarks are where a body has them",
-    } <= set(broken)
-    assert all(finding.severity == "error" for finding in broken.values())
-
-
-def test_a_breast_shape_that_moves_the_other_breast_is_caught(toy_rig: Rig) -> None:
-    both = changed(toy_rig.blendshapes, 0, toy_rig.blendshapes[0] + toy_rig.blendshapes[1])
-    broken = broken_rules(replace(toy_rig, blendshapes=both), is_torso=True)
-    assert "bump_L" in broken["each breast has its own shapes"].detail
-
-
 def test_the_description_names_everything(toy_rig: Rig) -> None:
     text = describe_rig(toy_rig)
     for name in (*toy_rig.bone_names, *toy_rig.shape_names, *toy_rig.landmark_names, *toy_rig.drawing_names, "sternum"):
@@ -306,11 +281,3 @@ def test_a_rig_without_shapes_joints_and_landmarks_can_be_described_and_checked(
     )
     assert broken_rules(bare) == {}
     assert "0 shapes" in describe_rig(bare)
-
-
-def test_each_areola_of_the_packages_torso_has_round_rings_about_a_vertex(rig: Rig) -> None:
-    areolas = ["areola and nipple_L have rings of edges", "areola and nipple_R have rings of edges"]
-    assert not set(areolas) & set(broken_rules(rig, is_torso=True))
-    between = [replace(each, barycentric=np.array([0.4, 0.3, 0.3])) for each in rig.landmarks]
-    for broken in (replace(rig, landmarks=tuple(between)), replace(rig, template=rig.template * [1.0, 2.0, 1.0])):
-        assert set(areolas) <= set(broken_rules(broken, is_torso=True))

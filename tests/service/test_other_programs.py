@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from helpers import fake_fit
 from helpers.cases import new_case, new_fit, new_link, new_scan, note
+from helpers.stored_fits import fit_ids, scan_ids
 from helpers.waiting import ask_for_fit, ended, stored_events, until
 
 from breastrig.cases.case_folder import CaseFolder
@@ -17,8 +18,7 @@ from breastrig.service import sweep
 from breastrig.service.fits.queue import STARTS
 from breastrig.storage import deletion
 from breastrig.storage.documents import patients
-from breastrig.storage.documents.fits import fit_ids
-from breastrig.storage.documents.scans import get_scan, scan_ids
+from breastrig.storage.documents.scans import get_scan
 from breastrig.storage.storage import Storage
 
 

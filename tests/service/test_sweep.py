@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from helpers import fake_fit
 from helpers.on_disk import kept_below, of_patients
-from helpers.stored_fits import add_waiting_fit, named
+from helpers.stored_fits import add_waiting_fit, named, scan_ids
 from helpers.waiting import until
 
 from breastrig.cases.case_folder import CaseFolder
@@ -19,7 +19,7 @@ from breastrig.service.service import Service
 from breastrig.service.sweep import Retention, Sweep
 from breastrig.storage.documents.expiring_scans import aged_scans, announce
 from breastrig.storage.documents.patients import listed_page
-from breastrig.storage.documents.scans import StoredScan, add_scan, scan_ids
+from breastrig.storage.documents.scans import StoredScan, add_scan
 from breastrig.storage.storage import Storage, iso_utc
 
 FACTS = {"unit": "mm", "bounds_m": {"min": [0, 0, 0], "max": [1, 1, 1]}}

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from helpers.cases import new_case, new_fit, new_link, new_scan, note
 from helpers.on_disk import kept_below
+from helpers.stored_fits import fit_ids, scan_ids
 
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cases.layout import new_id
@@ -16,8 +17,7 @@ from breastrig.core.picks import Picks
 from breastrig.index import questions
 from breastrig.index.questions import LinkSecret
 from breastrig.storage.deletion import delete_scan, finish_deletions, look, remove_left
-from breastrig.storage.documents.fits import fit_ids
-from breastrig.storage.documents.scans import get_landmarks, put_landmarks, scan_ids
+from breastrig.storage.documents.scans import get_landmarks, put_landmarks
 from breastrig.storage.documents.shares import end_snapshots, get_share
 from breastrig.storage.storage import Storage, Unremoved
 

@@ -15,7 +15,7 @@ from pydantic import BaseModel
 from breastrig.cases import layout
 from breastrig.cases.documents import CaseDocument, ScanDocument, content_of, read_document
 from breastrig.cases.layout import Surroundings, data_folder_of, new_id, scan_part, surroundings_of
-from breastrig.cases.writing import LOCK, NONE_HERE, locked, put, stamp_of, sync_folder, writing
+from breastrig.cases.writing import LOCK, NONE_HERE, put, stamp_of, sync_folder, writing
 from breastrig.core import wall_clock
 from breastrig.core.errors import BadInput, NeedsYes, NotFound
 from breastrig.core.identity import CODE_CHARACTERS, one_line, random_code
@@ -98,10 +98,6 @@ class CaseFolder:
     def writing(self) -> AbstractContextManager[None]:
         """Holds the case for changes inside the block.  Raises NotFound when it is gone, Conflict when it is busy."""
         return writing(self.path)
-
-    def holding(self) -> AbstractContextManager[None]:
-        """Holds the case for reading: nobody writes inside the block. Raises as `writing`."""
-        return locked(self.path)
 
     def document(self) -> CaseDocument:
         """The case's document. Raises NotFound when the case is gone, BadInput when the file is damaged."""

@@ -61,7 +61,7 @@ def check(options: argparse.Namespace) -> int:
         return 2
     unread = unread_keys(glb)
     everything = Finding("all keys of the side file are read", not unread, named(unread) or "all of them", "advice")
-    findings = [everything, *check_rig(rig, is_torso=glb == default_rig_path())]
+    findings = [everything, *check_rig(rig)]
     read_all_known(rig)
     for finding in findings:
         mark = "ok " if finding.ok else {"error": "BAD", "advice": "tip"}[finding.severity]

@@ -151,10 +151,6 @@ def scans_page(
     return [row[0] for row in found[:limit]], more
 
 
-def all_scans(rows: sqlite3.Connection) -> set[str]:
-    return {row[0] for row in rows.execute("SELECT id FROM scans")}
-
-
 def aged_scans(rows: sqlite3.Connection, created_until: str) -> list[tuple[str, str, str | None]]:
     """(scan, when it came, when its deletion was announced) of old ones and announced ones, the oldest first."""
     chosen = "SELECT id, created_at, announced_at FROM scans WHERE created_at <= ? OR announced_at IS NOT NULL"
@@ -191,10 +187,6 @@ def note_state(rows: sqlite3.Connection, fit: str, state: str) -> None:
 def put_back(rows: sqlite3.Connection) -> int:
     """Fits that run wait again; how many they were."""
     return rows.execute("UPDATE fits SET state = 'queued' WHERE state = 'running'").rowcount
-
-
-def all_fits(rows: sqlite3.Connection) -> set[str]:
-    return {row[0] for row in rows.execute("SELECT id FROM fits")}
 
 
 def fits_in_state(rows: sqlite3.Connection, state: str) -> list[str]:

@@ -6,7 +6,6 @@ Another VERSION means another form: the three tables are copied if they can be r
 """
 
 VERSION = 5
-OF_FOLDERS = ("cases", "scans", "fits", "links")
 ONLY_HERE = ("link_secrets", "openings", "ended_sessions")
 
 TABLES = """

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.rig_patient import patient
+from helpers.torso_landmarks import LANDMARKS
 
 from breastrig.drawings.line_error import ACROSS
 from breastrig.fitting.checks.basis import basis_bytes, check_basis, read_basis
@@ -17,7 +18,6 @@ from breastrig.fitting.uncertainty.radii import Calibration, calibration, line_e
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.rig.model import Rig
 from breastrig.rig.skinning import pose
-from breastrig.rig.validation.torso import LANDMARKS
 
 NOT_PRONE = {"umbilicus", "acromion", "midclavicle"}  # what an MRI does not show
 

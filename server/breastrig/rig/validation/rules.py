@@ -1,13 +1,11 @@
 """The proof that a rig is sound: every rule of the contract, ours or anybody's, with what was found.
 
-Rules for any rig are here, in check_mesh.py, check_drawings.py and check_symmetry.py; those of check_torso.py are
-asked only of the torso that comes with the package, for which advice is law too.  Nothing raises: a broken rig gives
-findings, so that its maker sees all of them at once.
+Its other parts are mesh.py, drawings.py and symmetry.py.  Nothing raises: a broken rig gives findings, so that its
+maker sees all of them at once.
 """
 
 import re
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +15,6 @@ from breastrig.rig.validation.drawings import drawing_findings, on_triangle
 from breastrig.rig.validation.finding import Finding, named
 from breastrig.rig.validation.mesh import mesh_findings
 from breastrig.rig.validation.symmetry import other_side, symmetry_findings
-from breastrig.rig.validation.torso import torso_findings
 
 __all__ = ["Finding", "check_rig", "describe_rig"]
 
@@ -30,7 +27,7 @@ UNITS = {"centimetres": 1e-2, "millimetres": 1e-3, "inches": 0.0254, "decimetres
 KINDS = ("body", "soft", "gravity")
 
 
-def check_rig(rig: Rig, is_torso: bool = False) -> list[Finding]:
+def check_rig(rig: Rig) -> list[Finding]:
     """The finding of each rule; where the arrays do not fit together only the first rules are checked."""
     findings = [_sizes(rig)]
     if findings[0].ok:
@@ -51,12 +48,10 @@ def check_rig(rig: Rig, is_torso: bool = False) -> list[Finding]:
     findings += [
         _landmarks(rig),
         _left_and_right(rig),
-        *drawing_findings(rig, is_torso),
+        *drawing_findings(rig),
         _regions(rig),
         *symmetry_findings(rig),
     ]
-    if is_torso:
-        findings = [replace(finding, severity="error") for finding in (*findings, *torso_findings(rig))]
     return findings
 
 

@@ -212,10 +212,6 @@ def fits_in_state(storage: Storage, state: str) -> list[str]:
     return storage.index.asked(lambda rows: questions.fits_in_state(rows, state))
 
 
-def fit_ids(storage: Storage) -> set[str]:
-    return storage.index.asked(questions.all_fits)
-
-
 def fits_of_scan(storage: Storage, scan_id: str) -> list[str]:
     try:
         return fits.fit_ids(storage.case_of_scan(scan_id), scan_id)

@@ -79,10 +79,6 @@ def scans_page(
     return get_scans(storage, ids)[::-1], more
 
 
-def scan_ids(storage: Storage) -> set[str]:
-    return storage.index.asked(questions.all_scans)
-
-
 def get_landmarks(storage: Storage, scan_id: str) -> Picks:
     """The scan's landmarks; empty when none were stored."""
     try:

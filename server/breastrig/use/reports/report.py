@@ -245,19 +245,6 @@ def _pages(stances: list[Reported], job: ReportJob) -> bytes:
     return packed.getvalue()
 
 
-def report_files(job: ReportJob, pdf_name: str = "report.pdf") -> dict[str, bytes]:
-    """report.json, measures.csv and the PDF."""
-    return _files(reported(job), job, pdf_name)
-
-
-def _files(stances: list[Reported], job: ReportJob, pdf_name: str) -> dict[str, bytes]:
-    return {
-        REPORT_RECORD: json_bytes(report_document(stances)),
-        MEASURES_TABLE: _measures_csv(stances),
-        pdf_name: pdf_of(stances, job),
-    }
-
-
 def measures_csv_of(job: ReportJob) -> bytes:
     """The table of measures alone: what each row of a batch gets."""
     return _measures_csv(reported(job))
@@ -274,7 +261,12 @@ def write_three_files(job: ReportJob, folder: Path, pdf_name: str, rig: Rig | No
     BadInput when the folder cannot be written.
     """
     stances = reported(job, rig)
-    write_files(_files(stances, job, pdf_name), folder)
+    files = {
+        REPORT_RECORD: json_bytes(report_document(stances)),
+        MEASURES_TABLE: _measures_csv(stances),
+        pdf_name: pdf_of(stances, job),
+    }
+    write_files(files, folder)
     planned = (each.said for stance in stances for each in stance.plan if each.said.startswith(NOT_DRAWN))
     return tuple(dict.fromkeys((*(why for stance in stances for why in stance.result.drawing_missing), *planned)))
 

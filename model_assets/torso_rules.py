@@ -1,5 +1,6 @@
-"""Rules that only our own torso must keep: what the surgeon needs from it (SPEC, "The model")."""
+"""What our own torso must keep, beside the rules for any rig: what the surgeon needs from it."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +9,8 @@ from breastrig.core.arrays import Array, Booleans, Integers
 from breastrig.geometry.boundary import boundary_loops, directed_edges
 from breastrig.rig.model import Rig
 from breastrig.rig.validation.finding import Finding, named
+from breastrig.rig.validation.rules import check_rig
+from breastrig.rig.validation.symmetry import other_side
 
 VERTICES = (2000, 2600)
 BONES = (
@@ -91,20 +94,24 @@ BODY_TOPICS: dict[str, tuple[str, ...]] = {
 
 
 def torso_findings(rig: Rig) -> list[Finding]:
-    """Findings on the torso; requires a rig that keeps the general rules."""
-    return [
-        _size(rig),
-        _names("it has the nine bones", rig.bone_names, BONES),
-        _names("it has the twelve landmarks", rig.landmark_names, LANDMARKS, others=True),
-        *_drawings(rig),
-        _shape_count(rig),
-        _topics(rig),
-        _own_side(rig),
-        _openings(rig),
-        _resolution(rig),
-        *_areolas(rig),
-        _places(rig),
-    ]
+    """The finding of each rule for any rig, whose advice is law here, and for the torso alone."""
+    findings = check_rig(rig)
+    if all(finding.ok for finding in findings[:3]):  # the arrays fit together
+        findings += [
+            _size(rig),
+            _names("it has the nine bones", rig.bone_names, BONES),
+            _names("it has the twelve landmarks", rig.landmark_names, LANDMARKS, others=True),
+            *_drawings(rig),
+            _partners(rig),
+            _shape_count(rig),
+            _topics(rig),
+            _own_side(rig),
+            _openings(rig),
+            _resolution(rig),
+            *_areolas(rig),
+            _places(rig),
+        ]
+    return [replace(finding, severity="error") for finding in findings]
 
 
 def _size(rig: Rig) -> Finding:
@@ -138,6 +145,17 @@ def _drawings(rig: Rig) -> list[Finding]:
             detail = f"it lacks {named(missing) or 'every line'}."
         findings.append(Finding(f"it has the drawing {wanted}", bool(have) and not missing, detail))
     return findings
+
+
+def _partners(rig: Rig) -> Finding:
+    wrong = [
+        f"{shape.name} of {drawing.name}"
+        for drawing in rig.drawings
+        for shape in drawing.shapes
+        if other_side(shape.name) not in {other.name for other in drawing.shapes}
+    ]
+    detail = f"without the other side's: {named(wrong)}." if wrong else "all of them"
+    return Finding("every line has its partner", not wrong, detail)
 
 
 def _shape_count(rig: Rig) -> Finding:
