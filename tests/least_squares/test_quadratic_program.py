@@ -77,33 +77,15 @@ def test_a_program_of_a_fits_size_meets_its_conditions(seed: int) -> None:
     assert at_bound.sum() > 10  # the bounds matter
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_weights_that_sum_to_one_may_fall_again(seed: int) -> None:
-    """The limit of a row is an inequality: where the energy asks for less than the sum, it is released."""
-    rng = np.random.default_rng(seed)
-    h = hessian_of(rng, 6)
-    wish = np.array([0.5, -0.2, 0.4, 0.3, 0.1, 0.2])  # sums to 1.3
-    for target, sums_to_limit in ((wish, True), (-0.1 * np.abs(wish), False)):
-        bounds = Bounds(np.full(6, -np.inf), np.full(6, np.inf), np.ones((1, 6)), np.array([0.0]))
-        step = minimiser(h, -h @ target, bounds)
-        assert step.sum() <= 1e-10
-        if sums_to_limit:  # the projection in the norm of h onto the plane
-            across = np.linalg.solve(h, np.ones(6))
-            np.testing.assert_allclose(step, target - across * target.sum() / across.sum(), atol=1e-9)
-        else:
-            np.testing.assert_allclose(step, target, atol=1e-9)
-
-
-def test_without_bounds_and_rows_it_is_one_linear_system(rng: np.random.Generator) -> None:
+def test_without_bounds_it_is_one_linear_system(rng: np.random.Generator) -> None:
     h, g = hessian_of(rng, 7), rng.normal(size=7)
     free = Bounds(np.full(7, -np.inf), np.full(7, np.inf))
     np.testing.assert_allclose(h @ minimiser(h, g, free), -g, atol=1e-9)
 
 
 def test_the_given_arrays_stay_as_they_are(rng: np.random.Generator) -> None:
-    h, g, around = hessian_of(rng, 8), rng.normal(size=8), box(rng, 8)
-    bounds = Bounds(around.lower, around.upper, rng.normal(size=(2, 8)), np.zeros(2))
-    given = [h, g, bounds.lower, bounds.upper, bounds.rows, bounds.row_limits]
+    h, g, bounds = hessian_of(rng, 8), rng.normal(size=8), box(rng, 8)
+    given = [h, g, bounds.lower, bounds.upper]
     copies = [array.copy() for array in given]
     minimiser(h, g, bounds)
     for array, copy in zip(given, copies, strict=True):
@@ -116,7 +98,6 @@ def test_a_matrix_that_is_not_positive_definite_is_refused() -> None:
         minimiser(np.diag([1.0, -1.0]), np.ones(2), free)
 
 
-def test_bounds_that_contradict_a_row_are_refused() -> None:
-    bounds = Bounds(np.zeros(2), np.ones(2), np.ones((1, 2)), np.array([-1.0]))
+def test_bounds_that_contradict_each_other_are_refused() -> None:
     with pytest.raises(sla.LinAlgError, match="no solution"):
-        minimiser(np.eye(2), np.zeros(2), bounds)
+        minimiser(np.eye(2), np.zeros(2), Bounds(np.ones(2), np.zeros(2)))

@@ -97,7 +97,6 @@ class Folding(SettingsPart):
 
 
 class Shapes(SettingsPart):
-    constraint: Literal["simplex", "box", "free"]
     sigma: Positive | None = None  # the same for all shapes; else the rig's own times the factor
     factor: Positive = 1.0
     symmetry_sigma: Positive | None = None  # in each shape's own sigmas

@@ -107,14 +107,6 @@ def wide(jacobian: Array, unknowns: int) -> Array:
     return np.pad(jacobian, ((0, 0), (0, more))) if more else jacobian
 
 
-def _movable(bounds: Bounds, free: Booleans) -> Bounds:
-    """The bounds of the unknowns that may move."""
-    if free.all():
-        return bounds
-    rows = None if bounds.rows is None else bounds.rows[:, free]
-    return Bounds(bounds.lower[free], bounds.upper[free], rows, bounds.row_limits)
-
-
 def damped_step(
     system: System,
     energy_at: Callable[[P], float],
@@ -125,20 +117,20 @@ def damped_step(
     least_damping: float,
     bounds: Bounds,
     free: Booleans,
-    attempts: int = ATTEMPTS,
 ) -> Step[P]:
-    """One step from x, at which `system` is assembled, at most `attempts` tries; entries outside `free` (P,) stay.
+    """One step from x, at which `system` is assembled, at most ATTEMPTS tries; entries outside `free` (P,) stay.
 
     scaling: (P,) inverse square of each unknown's natural size, so that damping 1 is one standard deviation.
     damping: of the first try, from the step before; least_damping: how far a good model may lower it.
     """
-    hessian, gradient, room = system.hessian, system.gradient, _movable(bounds, free)
+    hessian, gradient = system.hessian, system.gradient
+    room = bounds if free.all() else Bounds(bounds.lower[free], bounds.upper[free])
     if not (np.isfinite(system.energy) and np.isfinite(hessian).all()):
         return Step(x, system.energy, damping, Status.NOT_FINITE)
     if not free.all():
         hessian, gradient = hessian[free][:, free], gradient[free]
     tried = damping
-    for _ in range(attempts):
+    for _ in range(ATTEMPTS):
         damped = hessian.copy()
         damped.flat[:: len(damped) + 1] += tried * scaling[free]
         try:

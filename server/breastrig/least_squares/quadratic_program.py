@@ -1,8 +1,8 @@
 """The convex quadratic program of one step, solved to rounding.
 
-    minimise ½ dᵀH d + gᵀd    with    lower <= d <= upper,    A d <= a
+    minimise ½ dᵀH d + gᵀd    with    lower <= d <= upper
 
-Unknowns that neither a bound nor a row holds (rotations and translations of the bones, when all joints give) are
+Unknowns that no bound holds (rotations and translations of the bones, when all joints give) are
 eliminated by Cholesky first; what is left (82 of 136) goes to daqp, a dual active-set method (Arnström, Bemporad and
 Axehill, A dual active-set solver for embedded quadratic programming using recursive LDLᵀ updates, 2022), which
 takes up and releases bounds until the conditions of Karush, Kuhn and Tucker hold, after finitely many exchanges.
@@ -39,38 +39,31 @@ def solve_lower(factor: Array, right: Array, transposed: bool = False) -> Array:
     return np.asarray(lapack.dtrtrs(factor, right, lower=1, trans=int(transposed))[0])
 
 
-TOLERANCE = 1e-11  # of a bound or row, where the Hessian's diagonal is scaled to 1: far above rounding, far below 1e-9
-INEQUALITY = 0  # daqp's kind of rows
+TOLERANCE = 1e-11  # of a bound, where the Hessian's diagonal is scaled to 1: far above rounding, far below 1e-9
+INEQUALITY = 0  # daqp's kind of bounds
 SOLVED = 1  # daqp's answer
 
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """Bounds of a step: a box around 0, and rows A with limits a."""
+    """A box around 0 for a step."""
 
     lower: Array  # (P,) <= 0, -inf where free
     upper: Array  # (P,) >= 0
-    rows: Array | None = None  # (R, P)
-    row_limits: Array | None = None  # (R,) >= 0, rows @ step <= row_limits
 
 
-def _dual_active_set(hessian: Array, gradient: Array, rows: Array, lower: Array, upper: Array) -> Array:
-    """(N,) minimiser; lower and upper (N + R,) hold the unknowns' bounds, then the rows'."""
+def _dual_active_set(hessian: Array, gradient: Array, lower: Array, upper: Array) -> Array:
+    """(N,) minimiser between the (N,) bounds."""
     if not len(gradient):
         return gradient
-    scale = 1.0 / np.sqrt(np.diag(hessian))  # unknowns in standard deviations and rows of length 1 ...
-    rows = np.ascontiguousarray(rows * scale)
-    lengths = np.linalg.norm(rows, axis=1)
-    lengths[lengths == 0.0] = 1.0
-    scales = np.concatenate([scale, lengths])  # ... so that one tolerance fits all
-    kinds = np.full(len(scales), INEQUALITY, dtype=np.int32)
+    scale = 1.0 / np.sqrt(np.diag(hessian))  # unknowns in standard deviations, so that one tolerance fits all
     solution, _, answer, _ = daqp.solve(
         hessian * scale * scale[:, None],
         gradient * scale,
-        rows / lengths[:, None],
-        upper / scales,
-        lower / scales,
-        kinds,
+        np.zeros((0, len(scale))),  # no other inequalities
+        upper / scale,
+        lower / scale,
+        np.full(len(scale), INEQUALITY, dtype=np.int32),
         primal_tol=TOLERANCE,
         dual_tol=TOLERANCE,
     )
@@ -82,13 +75,9 @@ def _dual_active_set(hessian: Array, gradient: Array, rows: Array, lower: Array,
 def minimiser(hessian: Array, gradient: Array, bounds: Bounds) -> Array:
     """(P,) the step d.  hessian: (P, P) symmetric; gradient: (P,).
 
-    Raises LinAlgError when the Hessian is not positive definite, or when bounds and rows contradict each other.
+    Raises LinAlgError when the Hessian is not positive definite, or when bounds contradict each other.
     """
-    rows, limits = np.zeros((0, len(gradient))), np.zeros(0)
-    if bounds.rows is not None and bounds.row_limits is not None:
-        rows, limits = bounds.rows, bounds.row_limits
-    floors = np.full(len(limits), -np.inf)
-    held = np.isfinite(bounds.lower) | np.isfinite(bounds.upper) | rows.any(axis=0)
+    held = np.isfinite(bounds.lower) | np.isfinite(bounds.upper)
     inside, outside = np.flatnonzero(held), np.flatnonzero(~held)
     lower, upper = bounds.lower[inside], bounds.upper[inside]
     order, first = np.concatenate([outside, inside]), len(outside)
@@ -98,9 +87,8 @@ def minimiser(hessian: Array, gradient: Array, bounds: Bounds) -> Array:
     found = _dual_active_set(
         ordered[first:, first:] - mixed[:, :-1].T @ mixed[:, :-1],
         pull[first:] - mixed[:, :-1].T @ mixed[:, -1],
-        rows[:, inside],
-        np.concatenate([lower, floors]),
-        np.concatenate([upper, limits]),
+        lower,
+        upper,
     )
     step = np.zeros(len(gradient))
     step[inside] = np.clip(found, lower, upper)  # off by rounding only

@@ -115,40 +115,21 @@ def step_scaling(task: FitTask) -> Array:
 
 def step_bounds(task: FitTask, x: RigParameters) -> Bounds:
     """Room left for the scales and the shape weights."""
-    rig, constraint = in_stance(task.rig, task.stance), task.recipe.shapes.constraint
+    rig = in_stance(task.rig, task.stance)
     lower, upper = np.full(x.dof, -np.inf), np.full(x.dof, np.inf)
     bones = len(rig.bones)
     for side, values in ((lower, [b.scale_min for b in rig.bones]), (upper, [b.scale_max for b in rig.bones])):
         side[: BONE_DOFS * bones].reshape(bones, BONE_DOFS)[:, 6:9] = np.array(values) - x.scales
     own = shape_block(rig)
-    if constraint == "box":
-        lower[own] = np.array([shape.min for shape in rig.shapes]) - x.weights
-        upper[own] = np.array([shape.max for shape in rig.shapes]) - x.weights
-    rows = limits = None
-    if constraint == "simplex":  # weights and the template's remaining share are >= 0 and sum to one
-        lower[own] = -x.weights
-        rows, limits = np.zeros((1, x.dof)), np.array([max(1.0 - x.weights.sum(), 0.0)])
-        rows[0, own] = 1.0
-    return Bounds(np.minimum(lower, 0.0), np.maximum(upper, 0.0), rows, limits)
+    lower[own] = np.array([shape.min for shape in rig.shapes]) - x.weights
+    upper[own] = np.array([shape.max for shape in rig.shapes]) - x.weights
+    return Bounds(np.minimum(lower, 0.0), np.maximum(upper, 0.0))
 
 
 def allowed_start(task: FitTask) -> RigParameters:
-    """The task's start with its shape weights moved to where the recipe allows them; steps then keep them there."""
-    x, constraint = task.start, task.recipe.shapes.constraint
-    if constraint == "box":
-        ranges = np.array([[shape.min, shape.max] for shape in in_stance(task.rig, task.stance).shapes])
-        return replace(x, weights=np.clip(x.weights, ranges[:, 0], ranges[:, 1]))
-    return replace(x, weights=onto_simplex(x.weights)) if constraint == "simplex" else x
-
-
-def onto_simplex(weights: Array) -> Array:
-    """(S,) the nearest weights in {α >= 0, Σα <= 1} (Duchi et al., 2008)."""
-    weights = np.maximum(weights, 0.0)
-    if weights.sum() > 1.0:
-        ordered = np.sort(weights)[::-1]
-        excess = (np.cumsum(ordered) - 1.0) / np.arange(1, len(ordered) + 1)
-        weights = np.maximum(weights - excess[np.flatnonzero(ordered > excess)[-1]], 0.0)
-    return weights
+    """The task's start with its shape weights moved into the rig's ranges; steps then keep them there."""
+    ranges = np.array([[shape.min, shape.max] for shape in in_stance(task.rig, task.stance).shapes]).reshape(-1, 2)
+    return replace(task.start, weights=np.clip(task.start.weights, ranges[:, 0], ranges[:, 1]))
 
 
 def expected_joints(task: FitTask) -> Joints:
