@@ -1,7 +1,6 @@
 """A stance that was not scanned, over HTTP: predicted from the example patient's standing scan, by the real work."""
 
 import io
-import json
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -17,10 +16,8 @@ from helpers.waiting import ended
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
 from breastrig.execution.limits import FitLimits
-from breastrig.files.result import RESULT, Verdict, read_result
 from breastrig.service import kept_models
 from breastrig.service.service import Service
-from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
 
 LESION = {"kind": "lesion", "id": "lump", "name": "lump", "radius_mm": 6.0}
@@ -117,36 +114,6 @@ def test_link_report_and_measures_say_that_it_was_not_scanned(real: Real) -> Non
     assert NOT_SCANNED in text
     assert "Supine, predicted, front: not scanned with the plan" in text
     assert "supine, predicted, from the scan received" in text
-
-
-def test_a_simulation_of_an_earlier_version_opens_says_what_it_is_and_is_not_given_for_a_prediction(real: Real) -> None:
-    """Its row, result and link are as that version left them."""
-    asked = real.predict(real.fit["id"], "prone").json
-    assert ended(real.service, asked["id"]).state == "done"
-    folder = real.service.storage.files.folder(fit_place(asked["id"]))
-    said = "Simulated by finite elements from the standing scan: no scan shows the patient prone."
-    changed = {"simulated": True, "stance_reason": said, "verdict": Verdict(level="check", reasons=(said,))}
-    (folder / RESULT).write_bytes(read_result(folder).model_copy(update=changed).content())
-    document = json.loads((folder / "fit.json").read_text())
-    with real.service.storage.case(real.scan["patient"]).writing():
-        (folder / "fit.json").write_text(json.dumps(document | {"simulated": True}))
-    real.service.storage.index.refresh(real.scan["patient"])
-    with real.client.get(asked["links"]["result"]) as answer:
-        assert (answer.json["simulated"], answer.json["verdict"]["reasons"]) == (True, [said])
-    share = real.client.post(asked["links"]["shares"], json={"scan": "plain"})
-    visitor = real.client.application.test_client()
-    links = visitor.post("/api/shared/open", json={"token": share.json["url"].removeprefix("/s#")}).json["links"]
-    with visitor.get(links["result"]) as answer:
-        assert (answer.json["simulated"], answer.json["stance_reason"]) == (True, said)
-    with visitor.get(links["report"]) as report:
-        assert said in text_of(report.data)
-    anew = real.predict(real.fit["id"], "prone").json
-    assert anew["id"] != asked["id"]
-    assert ended(real.service, anew["id"]).state == "done"
-    with real.client.get(anew["links"]["result"]) as answer:
-        assert "simulated" not in answer.json
-    refused = real.client.post(real.fit["links"]["predictions"], json={"stance": "prone", "simulate": True})
-    assert "simulate" in problem(refused, 422)
 
 
 def test_what_cannot_be_predicted_is_refused_with_one_sentence(real: Real, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -115,7 +115,6 @@ class FitDocument(Document):
     refine: bool = True
     start_from: str | None = Field(default=None, description="an earlier fit of the same scan")
     predicted_from: str | None = Field(default=None, description="of a prediction: the fit that it comes from")
-    simulated: bool = Field(default=False, description="by an early version, by finite elements")
     key_sha256: str | None = Field(default=None, description="of the Idempotency-Key")
     request_sha256: str | None = Field(default=None, description="of the request that came with it")
 

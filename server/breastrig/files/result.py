@@ -232,11 +232,6 @@ class ResultFile(Document):
         exclude_if=not_,
         description="computed from the scan of another stance, of whose fit the distances are; absent in fits",
     )
-    simulated: bool = Field(
-        default=False,
-        exclude_if=not_,
-        description="by finite elements of this patient's own breasts, as an earlier version predicted; else absent",
-    )
     preset: str
     refined: bool = Field(description="whether surface, drawing and distances are those of the free-form layer")
     converged: bool

@@ -38,10 +38,9 @@ def read_case(case: CaseFolder) -> CaseRows:
         for fit in fits_of_scan(case, scan.id):
             asked = fit.document
             hashes = asked.key_sha256, asked.request_sha256
-            stance = "" if asked.simulated else asked.stance  # nobody is given one for a prediction
             known = fit.id, case.id, scan.id, asked.asked_at, fit.state, fit.verdict, fit.line_error_mm
             decided = (first_event(case.path / fit_part(scan.id, fit.id)) or {}).get("stance")
-            fits.append((*known, asked.predicted_from, stance, *hashes, decided))
+            fits.append((*known, asked.predicted_from, asked.stance, *hashes, decided))
             if (case.path / fit_part(scan.id, fit.id) / LINKS).is_dir():
                 for link, one in links_of_fit(case, scan.id, fit.id).items():
                     ends = "" if one.revoked_at else one.expires_at

@@ -1,4 +1,4 @@
-"""The patients of a data folder's rows as cases: one folder each, put in place whole, so that it can be repeated.
+"""Patients of version 0.2.0, which were rows, as cases: a folder each, put in place whole, so that it can be repeated.
 
 Documents are made of the rows, the log of the events; files are hard links, or copies where there are none.  What opens
 links is nowhere in a case: it goes into the index.
@@ -13,14 +13,12 @@ from collections.abc import Collection
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from pydantic import BaseModel
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import coming, sync_file
 from breastrig.cases.documents import (
-    AnswersDocument,
     CaseDocument,
     CutsDocument,
     ExpiresDocument,
@@ -47,32 +45,9 @@ KINDS = ("scans", "fits", "shares")
 log = logging.getLogger(__name__)
 
 
-class Row(dict[str, Any]):
-    """One row by the names of its columns."""
-
-    def json(self, name: str, otherwise: Any) -> Any:
-        """The value of a column of JSON, which early versions do not have."""
-        return json.loads(self[name]) if self.get(name) else otherwise
-
-
-class Rows:
-    """The database of an early version, whichever tables it has."""
-
-    def __init__(self, file: Path) -> None:
-        self._rows = sqlite3.connect(f"{file.absolute().as_uri()}?mode=rw", uri=True)
-        self._rows.row_factory = sqlite3.Row
-        self._tables = {row[0] for row in self._rows.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
-
-    def of(self, table: str, order: str = "rowid", **where: str) -> list[Row]:
-        """The rows of a table, none where there is no such table."""
-        if table not in self._tables:
-            return []
-        wanted = " AND ".join(f"{name} = ?" for name in where) or "1"
-        chosen = self._rows.execute(f"SELECT * FROM {table} WHERE {wanted} ORDER BY {order}", tuple(where.values()))
-        return [Row(row) for row in chosen]
-
-    def close(self) -> None:
-        self._rows.close()
+def _rows(old: sqlite3.Connection, table: str, order: str = "rowid", **where: str) -> list[sqlite3.Row]:
+    wanted = " AND ".join(f"{name} = ?" for name in where) or "1"
+    return old.execute(f"SELECT * FROM {table} WHERE {wanted} ORDER BY {order}", tuple(where.values())).fetchall()
 
 
 def is_early(root: Path) -> bool:
@@ -115,15 +90,19 @@ def take_over(storage: Storage) -> None:
 def _take_over(storage: Storage) -> int:
     """The number of patients brought over, by this call or by one that was interrupted."""
     root = storage.root
-    with closing(Rows(root / OLD)) as rows_before:
-        for patient in rows_before.of("patients", order="position"):
-            _bring_over(rows_before, root, patient)
+    with closing(sqlite3.connect(f"{(root / OLD).absolute().as_uri()}?mode=rw", uri=True)) as old:
+        old.row_factory = sqlite3.Row
+        if not _rows(old, "sqlite_master", name="patients"):  # a server that was killed at its first start
+            return 0
+        for patient in _rows(old, "patients", order="position"):
+            _bring_over(old, root, patient)
         storage.index.look()
-        patients = {row["id"] for row in rows_before.of("patients") if _scans(rows_before, row)}
+        patients = {row["id"] for row in _rows(old, "patients") if _scans(old, row)}
+        secrets = ("id", "token_sha256", "passcode_hash", "wrong_passcodes", "last_wrong_at", "forgiven_passcodes")
         with storage.index.writing() as rows:
-            for link in rows_before.of("shares"):  # also of patients whom an interrupted call has brought over
-                put_secret(rows, _secret_of(link))
-            for row in rows_before.of("ended_sessions"):
+            for link in _rows(old, "shares"):  # also of patients whom an interrupted call has brought over
+                put_secret(rows, LinkSecret(*(link[name] for name in secrets)))
+            for row in _rows(old, "ended_sessions"):
                 end_session(rows, row["id_sha256"], row["ended_at"])
     missing = [each for each in patients if not (root / layout.CASES / each / layout.CASE).is_file()]
     if missing:
@@ -131,24 +110,19 @@ def _take_over(storage: Storage) -> int:
     return len(patients)
 
 
-def _scans(rows: "Rows", patient: "Row") -> set[str]:
+def _scans(old: sqlite3.Connection, patient: sqlite3.Row) -> set[str]:
     """The patient's scans without those that are being deleted; a patient goes with the last."""
-    removing = {row["scan"] for row in rows.of("file_journal") if row["removing"]}
-    return {row["scan"] for row in rows.of("scans_of_patients", patient=patient["id"])} - removing
+    removing = {row["scan"] for row in _rows(old, "file_journal") if row["removing"]}
+    return {row["scan"] for row in _rows(old, "scans_of_patients", patient=patient["id"])} - removing
 
 
-def _secret_of(row: Row) -> LinkSecret:
-    counts = row.get("wrong_passcodes", 0), row.get("last_wrong_at"), row.get("forgiven_passcodes", 0)
-    return LinkSecret(row["id"], row["token_sha256"], row.get("passcode_hash"), *counts)
-
-
-def _bring_over(rows: "Rows", root: Path, patient: Row) -> None:
+def _bring_over(old: sqlite3.Connection, root: Path, patient: sqlite3.Row) -> None:
     """Makes the patient's case, unless it is there, or has no scan.  Raises OSError, and then leaves nothing."""
-    place, scans = root / layout.CASES / patient["id"], _scans(rows, patient)
+    place, scans = root / layout.CASES / patient["id"], _scans(old, patient)
     if place.exists() or not scans:
         return
     with coming(root / layout.INCOMING) as made:
-        _Case(rows, root, patient, made).write(scans)
+        _Case(old, root, patient, made).write(scans)
         for file in made.rglob("*"):
             if file.is_file() and file.stat().st_nlink == 1:  # what is linked is on the disk
                 sync_file(file)
@@ -158,9 +132,9 @@ def _bring_over(rows: "Rows", root: Path, patient: Row) -> None:
 
 @dataclass(frozen=True)
 class _Case:
-    rows: "Rows"
+    old: sqlite3.Connection
     root: Path
-    patient: Row
+    patient: sqlite3.Row
     folder: Path
 
     def write(self, scans: Collection[str]) -> None:
@@ -168,14 +142,14 @@ class _Case:
         self._put(LOCK, b"")
         for scan_id in sorted(scans):
             self._scan(scan_id)
-        versions = self.rows.of("plans", order="version", patient=self.patient["id"])
+        versions = _rows(self.old, "plans", order="version", patient=self.patient["id"])
         for number, row in enumerate(versions, start=1):
             plan = PlanDocument.model_validate(json.loads(row["json"]) | {"version": row["version"]})
             name = layout.PLAN if number == len(versions) else f"{layout.PLANS}/{row['version']:06}.json"
             self._put(name, plan)
 
     def _scan(self, scan_id: str) -> None:
-        [row] = self.rows.of("scans", id=scan_id)
+        [row] = _rows(self.old, "scans", id=scan_id)
         part, file = layout.scan_part(scan_id), upload_name(row["file_type"])
         document = ScanDocument(
             created_at=row["created_at"], sha256=row["sha256"], facts=json.loads(row["facts"]), file=file
@@ -183,59 +157,51 @@ class _Case:
         self._put(f"{part}/{layout.SCAN}", document)
         for name in (file, layout.MESH, layout.THUMBNAIL):
             self._link(scan_place(scan_id), name, f"{part}/{name}")
-        for one in self.rows.of("landmarks", scan=scan_id):
-            known = Picks(json.loads(one["points_mm"]), tuple(one.json("certain", [])), one.json("confidence", {}))
+        for one in _rows(self.old, "landmarks", scan=scan_id):
+            known = Picks(*(json.loads(one[name]) for name in ("points_mm", "certain", "confidence")))
             if known.points_mm:
                 self._put(f"{part}/{layout.LANDMARKS}", landmark_document(known))
-        for one in self.rows.of("cuts", scan=scan_id):
+        for one in _rows(self.old, "cuts", scan=scan_id):
             self._put(f"{part}/{layout.CUTS}", CutsDocument(cuts=json.loads(one["json"])))
-        for one in self.rows.of("ink", scan=scan_id):
-            known_ink = json.loads(one["json"]) | {"dropped": one.json("dropped", [])}
+        for one in _rows(self.old, "ink", scan=scan_id):
+            known_ink = json.loads(one["json"]) | {"dropped": json.loads(one["dropped"])}
             self._put(f"{part}/{layout.INK}", InkDocument.model_validate(known_ink))
-        same = {row["other"] for row in self.rows.of("same_patient", scan=scan_id)}
-        if same:
-            self._put(f"{part}/{layout.ANSWERS}", AnswersDocument(same_as=sorted(same)))
-        for one in self.rows.of("proposals", scan=scan_id):
+        for one in _rows(self.old, "proposals", scan=scan_id):
             proposed = ProposalsDocument(key=one["model_sha256"], landmarks=json.loads(one["json"]))
             self._put(f"{part}/{layout.PROPOSALS}", proposed)
-        for one in self.rows.of("expiring_scans", scan=scan_id):
+        for one in _rows(self.old, "expiring_scans", scan=scan_id):
             self._put(f"{part}/{layout.EXPIRES}", ExpiresDocument(announced_at=one["announced_at"]))
-        for fit in self.rows.of("fits", order="place", scan=scan_id):
+        for fit in _rows(self.old, "fits", order="place", scan=scan_id):
             self._fit(scan_id, fit)
 
-    def _fit(self, scan_id: str, row: Row) -> None:
+    def _fit(self, scan_id: str, row: sqlite3.Row) -> None:
         part, place = layout.fit_part(scan_id, row["id"]), fit_place(row["id"])
         asked = {
             "asked_at": row["created_at"],
-            "stance": row.get("asked_stance") or row["stance"],
-            "refine": bool(row.get("refine", 0)),
-            "landmarks_mm": json.loads(row["landmarks_mm"]),
-            "certain": row.json("certain", []),
-            "confidence": row.json("confidence", {}),
-            "cuts": row.json("cuts", []),
-            **{name: row.get(name) for name in ("drawing", "start_from", "predicted_from")},
-            "preset": row["preset"],
-            "simulated": bool(row.get("simulate", 0)),
+            "stance": row["asked_stance"] or row["stance"],
+            "refine": bool(row["refine"]),
+            **{name: json.loads(row[name]) for name in ("landmarks_mm", "certain", "confidence", "cuts")},
+            **{name: row[name] for name in ("preset", "drawing", "start_from")},
         }
-        for one in self.rows.of("asked_once", fit=row["id"]):
+        for one in _rows(self.old, "asked_once", fit=row["id"]):
             asked |= {"key_sha256": one["key_sha256"], "request_sha256": one["request_sha256"]}
         self._put(f"{part}/{layout.FIT}", FitDocument.model_validate(asked))
-        lines = [event["json"] for event in self.rows.of("events", order="number", fit=row["id"])]
+        lines = [event["json"] for event in _rows(self.old, "events", order="number", fit=row["id"])]
         if lines:
             self._put(f"{part}/{layout.LOG}", ("\n".join(lines) + "\n").encode())
         folder = self.root / place
         for file in sorted(folder.iterdir()) if folder.is_dir() else ():
             if file.is_file() and file.name != layout.LOG:
                 self._link(place, file.name, f"{part}/{file.name}")
-        for link in self.rows.of("shares", order="position", fit=row["id"]):
+        for link in _rows(self.old, "shares", order="position", fit=row["id"]):
             self._link_of_fit(layout.link_part(scan_id, row["id"], link["id"]), link)
 
-    def _link_of_fit(self, part: str, row: Row) -> None:
-        snapshot = str(row.get("snapshot") or "")
+    def _link_of_fit(self, part: str, row: sqlite3.Row) -> None:
+        snapshot = str(row["snapshot"] or "")
         shown = self.root / share_place(snapshot) if snapshot else None
         number = 1 if shown is not None and shown.is_dir() else 0
         known = {name: row[name] for name in ("created_at", "expires_at", "revoked_at", "scan")}
-        known |= {"notes": bool(row.get("notes", 0)), "shown": number, "shown_at": row.get("snapshot_at")}
+        known |= {"notes": bool(row["notes"]), "shown": number, "shown_at": row["snapshot_at"]}
         self._put(f"{part}/{layout.LINK}", LinkDocument.model_validate(known))
         if number and shown is not None:
             for file in sorted(each for each in shown.rglob("*") if each.is_file()):

@@ -8,7 +8,7 @@ import * as text from "./text";
 const words = text.stances.predicted;
 
 export function createPredictedNote() {
-  const badge = el("span", { class: "made-badge" });
+  const badge = el("span", { class: "made-badge" }, words.badge);
   const busy = el("span", { class: "muted small", role: "status" });
   const note = el("p", { class: "made-note look-here small" });
   return {
@@ -19,7 +19,6 @@ export function createPredictedNote() {
       const result = other && isPredicted(other) ? other.fit?.result : null;
       for (const each of [badge, busy, note]) show(each, result != null);
       if (!result) return;
-      setText(badge, words.badge(result.simulated ?? false)); // links and fits of an earlier version
       const lines = linesOn(other!);
       const margin = lines === null ? [] : [words.sure(lines.of, wideOf(lines.mm))];
       setText(note, [...(result.verdict?.reasons ?? []), ...margin].join(" "));

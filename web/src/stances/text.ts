@@ -25,7 +25,7 @@ export const stances = {
   canvas: (name: string) => word("stances.canvas", { name }),
 
   predicted: {
-    badge: (isSimulated: boolean) => (word(isSimulated ? "stances.predicted.simulated" : "stances.predicted.badge")),
+    badge: word("stances.predicted.badge"),
     picture: (name: string) => word("stances.predicted.picture", { name }),
     sure: (lines: string, wide: string) => word("stances.predicted.sure", { lines: capital(lines), wide }),
     offer: word("stances.predicted.offer"),

@@ -61,13 +61,6 @@ test("another fit of the scan is predicted anew", async () => {
   await vi.waitFor(() => expect(store.get().stances.other!.fit!.id).toBe("f2-prone"));
 });
 
-test("a simulation of an earlier version, from the address, says what it is", async () => {
-  const { store, actions } = await fitted({ result: async () => ({ stance: "supine", simulated: true, predicted: true, landmarks: {}, scan: { unit: "m" }, verdict: { level: "check", reasons: [] } }) as never });
-  await actions.stances.restore("standing", "f1-supine", null, { isSecond: false, isComparing: true });
-  const { result } = store.get().stances.other!.fit!;
-  expect(words.predicted.badge(result!.simulated ?? false)).toBe("simulated, not scanned");
-});
-
 test("what cannot be predicted is said where it was asked for", async () => {
   const { store, actions } = await fitted({ predict: async () => Promise.reject(new ApiError("What gravity does to toy is not known.", 422)) });
   await actions.stances.predict("supine");

@@ -140,7 +140,7 @@ def _row(case: CaseFolder, scan_id: str, fit_id: str) -> StoredFit:
     folder = case.path / part
     state = fits.state_of(folder, document, last)
     end = last if last is not None and last["kind"] in ENDED else {}
-    asked = document.model_dump(exclude={"schema_", "asked_at", "key_sha256", "request_sha256", "stance", "simulated"})
+    asked = document.model_dump(exclude={"schema_", "asked_at", "key_sha256", "request_sha256", "stance"})
     asked |= {"certain": tuple(document.certain), "cuts": tuple(document.cuts)}
     return StoredFit(
         **asked,
