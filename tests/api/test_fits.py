@@ -16,11 +16,12 @@ from helpers.waiting import ended, until
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
+from breastrig.cases.documents import FitDocument
 from breastrig.execution.limits import FitLimits
 from breastrig.gltf.pose_nodes import posed_by_nodes
 from breastrig.service.service import Service
-from breastrig.storage.documents.fits import NewFit, Once, get_fit
-from breastrig.storage.storage import Storage
+from breastrig.storage.documents.fits import Once, get_fit
+from breastrig.storage.storage import Storage, utc_now
 
 pytestmark = pytest.mark.long
 
@@ -219,9 +220,9 @@ def test_a_key_is_forgotten_with_its_fit(client: FlaskClient, service: Service, 
 
 @pytest.mark.slow
 def test_many_threads_with_one_key_get_one_fit(client: FlaskClient, service: Service, scan_id: str) -> None:
-    new_fit, once = NewFit(scan=scan_id, landmarks_mm={}), Once.of("key", "request")
+    asked, once = FitDocument(asked_at=utc_now()), Once.of("key", "request")
     with ThreadPoolExecutor(8) as threads:
-        made = set(threads.map(lambda _: service.add_fit(new_fit, once=once), range(16)))
+        made = set(threads.map(lambda _: service.add_fit(scan_id, asked, once=once), range(16)))
     assert len(made) == 1
     ended(service, made.pop())
 

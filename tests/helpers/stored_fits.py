@@ -2,8 +2,9 @@
 
 from typing import Any
 
+from breastrig.cases.documents import FitDocument
 from breastrig.cases.fits import claimed
-from breastrig.storage.documents.fits import NewFit, add_fit
+from breastrig.storage.documents.fits import add_fit
 from breastrig.storage.storage import Storage
 
 
@@ -16,9 +17,9 @@ def add_waiting_fit(storage: Storage, scan_id: str, fit_id: str) -> None:
     """Puts a fit with one landmark into the queue."""
     add_fit(
         storage,
-        "2026-01-01T00:00:01.000Z",
+        scan_id,
         fit_id,
-        NewFit(scan=scan_id, landmarks_mm={"nipple_L": [1.0, 2.0, 3.0]}),
+        FitDocument(asked_at="2026-01-01T00:00:01.000Z", landmarks_mm={"nipple_L": [1.0, 2.0, 3.0]}),
     )
 
 

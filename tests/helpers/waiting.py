@@ -4,9 +4,11 @@ import time
 from collections.abc import Callable
 from itertools import chain
 
+from breastrig.cases.documents import FitDocument
 from breastrig.service.service import Service
 from breastrig.storage.documents.events import StoredEvent
-from breastrig.storage.documents.fits import NewFit, StoredFit, get_fit
+from breastrig.storage.documents.fits import StoredFit, get_fit
+from breastrig.storage.storage import utc_now
 
 PATIENCE_S = 120.0  # a busy machine; nothing waits that long when all is well
 
@@ -24,7 +26,7 @@ def until(true: Callable[[], bool], what: str) -> None:
 
 
 def ask_for_fit(service: Service, scan_id: str, preset: str = "default") -> str:
-    return service.add_fit(NewFit(scan=scan_id, preset=preset, landmarks_mm={}))
+    return service.add_fit(scan_id, FitDocument(asked_at=utc_now(), preset=preset))
 
 
 def ended(service: Service, fit_id: str) -> StoredFit:

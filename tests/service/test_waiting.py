@@ -6,15 +6,17 @@ import pytest
 from helpers import fake_fit
 from helpers.waiting import ended, until
 
+from breastrig.cases.documents import FitDocument
 from breastrig.core.errors import TooMany
 from breastrig.execution.limits import UploadLimits
 from breastrig.execution.pool import client_key
 from breastrig.service.service import Service
-from breastrig.storage.documents.fits import NewFit, Once, get_fit
+from breastrig.storage.documents.fits import Once, get_fit
+from breastrig.storage.storage import utc_now
 
 
 def ask(service: Service, scan_id: str, client: str | None = None, **more: object) -> str:
-    return service.add_fit(NewFit(scan=scan_id, preset="paper", landmarks_mm={}), client=client, **more)
+    return service.add_fit(scan_id, FitDocument(asked_at=utc_now(), preset="paper"), client=client, **more)
 
 
 def test_nobody_has_more_fits_waiting_than_a_share(serving, scan_id: str) -> None:

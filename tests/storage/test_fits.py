@@ -2,8 +2,9 @@
 
 from helpers.stored_fits import add_waiting_fit, named
 
+from breastrig.cases.documents import FitDocument
 from breastrig.cases.fits import claimed
-from breastrig.storage.documents.fits import NewFit, add_fit, newest_done
+from breastrig.storage.documents.fits import add_fit, newest_done
 from breastrig.storage.storage import Storage
 
 
@@ -27,12 +28,11 @@ def test_a_fit_counts_as_done_from_its_last_event_on(storage: Storage, scan_id: 
 
 
 def test_a_prediction_that_has_just_failed_is_made_again(storage: Storage, scan_id: str, fit_id: str) -> None:
-    wish = NewFit(scan=scan_id, stance="supine", predicted_from=fit_id, landmarks_mm={})
-    moment = "2026-01-01T00:00:02.000Z"
+    wish = FitDocument(asked_at="2026-01-01T00:00:02.000Z", stance="supine", predicted_from=fit_id)
     first, second, third = (named(f"prediction-{number}") for number in range(3))
-    assert add_fit(storage, moment, first, wish) == first
-    assert add_fit(storage, moment, second, wish) == first
+    assert add_fit(storage, scan_id, first, wish) == first
+    assert add_fit(storage, scan_id, second, wish) == first
     end(storage, first, "failed")
-    assert add_fit(storage, moment, second, wish) == second
+    assert add_fit(storage, scan_id, second, wish) == second
     end(storage, second, "done")
-    assert add_fit(storage, moment, third, wish) == second
+    assert add_fit(storage, scan_id, third, wish) == second

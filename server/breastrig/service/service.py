@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from breastrig.audit.log import AuditLog, Entry
+from breastrig.cases.documents import FitDocument
 from breastrig.cases.lengths import End
-from breastrig.core.errors import BadInput, Conflict, NotFound, NotRemoved
+from breastrig.core.errors import NotFound, NotRemoved
 from breastrig.core.model_choice import model_choice
 from breastrig.core.stances import Stance
 from breastrig.execution.executor import Executor
@@ -44,13 +45,13 @@ from breastrig.service.sweep import KEEP_DAYS, Sweep
 from breastrig.service.task_modules import TASK_MODULES
 from breastrig.service.visits import Visits
 from breastrig.storage.deletion import delete_empty_case, delete_scan, finish_deletions
-from breastrig.storage.documents.fits import NewFit, Once, StoredFit, add_fit, fits_of_scan, get_fit, made_before
+from breastrig.storage.documents.fits import Once, StoredFit, add_fit, fits_of_scan, get_fit, made_before
 from breastrig.storage.documents.patients import said_same, scans_of_patient
 from breastrig.storage.documents.scans import get_cuts, get_landmarks, get_scan, put_length
 from breastrig.storage.files import fit_place, scan_place, upload_name
 from breastrig.storage.folders import new_id
-from breastrig.storage.storage import Storage, Unremoved, utc_now
-from breastrig.use.cases.case_work import Predictor, Runner, Runners
+from breastrig.storage.storage import Storage, Unremoved
+from breastrig.use.cases.case_work import Predictor, Runner, Runners, asked_prediction
 from breastrig.use.fit import run_fit
 from breastrig.use.landmarks import propose_on_file
 from breastrig.use.marks.propose_marks import MarksJob, ScanFile, propose_marks_on_files
@@ -217,8 +218,8 @@ class Service:
         if left:
             raise NotRemoved(left)
 
-    def add_fit(self, new_fit: NewFit, once: Once | None = None, client: str | None = None) -> str:
-        """Puts a fit into the queue; its id.
+    def add_fit(self, scan_id: str, asked: FitDocument, once: Once | None = None, client: str | None = None) -> str:
+        """Puts a fit of the scan into the queue; its id.
 
         The same request `once` more gives the id of the first.  Raises NotFound when a scan is gone, BadInput when
         `once` has the key of another request, TooMany when so many fits of the `client` wait already.
@@ -228,7 +229,7 @@ class Service:
             if made is not None:
                 return made
         with self._waiting.place(client) as waits:
-            made = self._add_fit(new_fit, once)
+            made = self._add_fit(scan_id, asked, once)
             waits(made)
         self._queue.wake()
         return made
@@ -238,36 +239,17 @@ class Service:
 
         Raises NotFound, Conflict when the fit is not done, BadInput when nothing can be predicted from it, TooMany.
         """
-        fit = get_fit(self.storage, fit_id)
-        if fit.predicted_from is not None:
-            raise BadInput("This fit is itself predicted; predict from the fit of a scan.")
-        if fit.state != "done":
-            raise Conflict(f"The fit {fit.id} is {fit.state}; a stance is predicted from a fit that is done.")
-        if fit.stance == stance:
-            raise BadInput(f"The scan is {stance} already; ask for another stance.")
+        case, scan_id = self.storage.case_of_fit(fit_id)
+        asked = asked_prediction(case, fit_id, stance)
         self.models.check_predicts(fit_id)
-        prediction = NewFit(
-            scan=fit.scan,
-            stance=stance,
-            preset=fit.preset,
-            drawing=fit.drawing,
-            landmarks_mm=fit.landmarks_mm,
-            certain=fit.certain,
-            confidence=fit.confidence,
-            marks_mm=fit.marks_mm,
-            cuts=fit.cuts,
-            scale=fit.scale,
-            refine=True,
-            predicted_from=fit_id,
-        )
-        return self.add_fit(prediction, client=client)
+        return self.add_fit(scan_id, asked, client=client)
 
-    def _add_fit(self, new_fit: NewFit, once: Once | None) -> str:
+    def _add_fit(self, scan_id: str, asked: FitDocument, once: Once | None) -> str:
         fit_id = new_id()
         place = fit_place(fit_id)
         try:
             self.storage.make_fit(fit_id)
-            made = add_fit(self.storage, utc_now(), fit_id, new_fit, once)
+            made = add_fit(self.storage, scan_id, fit_id, asked, once)
         except BaseException:
             self.storage.discard(place)
             raise

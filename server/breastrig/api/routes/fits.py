@@ -14,14 +14,15 @@ from breastrig.api.errors import refuse
 from breastrig.api.place_checks import check_landmarks
 from breastrig.api.trusted_proxy import client_of
 from breastrig.api.wire import common as wire
+from breastrig.cases.documents import FitDocument
 from breastrig.core.errors import BadSettings, Conflict, NotFound, unknown_name
 from breastrig.core.picks import Picks
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
 from breastrig.storage.documents.events import event_of_kind
-from breastrig.storage.documents.fits import NewFit, Once, StoredFit, fits_page, get_fit, queue_positions
+from breastrig.storage.documents.fits import Once, StoredFit, fits_page, get_fit, queue_positions
 from breastrig.storage.documents.scans import StoredScan, cuts_digest, get_cuts, get_landmarks, get_scan
-from breastrig.storage.storage import Storage
+from breastrig.storage.storage import Storage, utc_now
 from breastrig.use.steps.events import Iterated
 
 MOST_ITERATION = 2**31  # a larger number is no offset for every database
@@ -56,7 +57,8 @@ def start_fit(json_data: wire.FitRequest, headers_data: wire.FitHeaders) -> Acce
     if json_data.start_from is not None:
         _check_start(json_data, json_data.start_from)
     fit_id = service.add_fit(
-        _new_fit(json_data),
+        json_data.scan,
+        _asked(json_data),
         _once(headers_data.idempotency_key, json_data),
         client=client_of(request.remote_addr),
     )
@@ -77,21 +79,21 @@ def _check_start(asked: wire.FitRequest, start_from: str) -> None:
         raise Conflict(f"A fit goes on from one that is done; that one is {earlier.state}.")
 
 
-def _new_fit(asked: wire.FitRequest) -> NewFit:
+def _asked(asked: wire.FitRequest) -> FitDocument:
     context = app_context()
     scan = get_scan(storage, asked.scan)
     picks = _picks(scan, asked)
     check_landmarks(picks, scan, context.model_of(scan.facts))
-    return NewFit(
-        scan=scan.id,
+    return FitDocument(
+        asked_at=utc_now(),
         stance=asked.stance,
         preset=asked.preset,
         drawing=asked.drawing,
         landmarks_mm=picks.points_mm,
-        certain=picks.certain,
+        certain=list(picks.certain),
         confidence=picks.confidence,
         marks_mm=picks.marks_mm,
-        cuts=get_cuts(storage, scan.id),
+        cuts=list(get_cuts(storage, scan.id)),
         scale=scan.facts.get("scale", {}).get("factor", 1.0),
         refine=asked.refine,
         start_from=asked.start_from,

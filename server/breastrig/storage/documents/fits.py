@@ -4,7 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from breastrig.cases import fits, layout
@@ -16,39 +16,18 @@ from breastrig.cases.fits import STATES as STATES
 from breastrig.cases.layout import fit_part
 from breastrig.cases.writing import put
 from breastrig.core.errors import BadInput, Conflict, NotFound
-from breastrig.core.picks import Points
 from breastrig.index import questions
 from breastrig.storage.documents.scans import Cuts, cuts_digest, get_cuts
 from breastrig.storage.files import fit_place
 from breastrig.storage.storage import Storage
 
 
-@dataclass(frozen=True, kw_only=True)
-class NewFit:
-    """A requested fit, before it has an id and a place in the queue."""
-
-    scan: str
-    stance: str = "auto"
-    preset: str = "default"
-    drawing: str | None = None
-    landmarks_mm: Points
-    certain: tuple[str, ...] = ()  # of the landmarks, those that are followed whatever all else says
-    confidence: dict[str, float] = field(default_factory=dict)  # 0 to 1, of those that were proposed; absent: placed
-    marks_mm: Points = field(default_factory=dict)  # of any names
-    cuts: Cuts = ()  # of the scan, by hand
-    scale: float = 1.0  # of the scan, from its file's size
-    refine: bool = False
-    start_from: str | None = None  # an earlier fit of the same scan
-    predicted_from: str | None = None  # of a prediction: the fit of the same scan, in another stance
-
-
-@dataclass(frozen=True, kw_only=True)
-class StoredFit(NewFit):
+class StoredFit(FitDocument):
     """A fit's request and its progress; `stance` is the decided one once the fit has started."""
 
     id: str
+    scan: str
     asked_stance: str  # auto, standing, supine, prone
-    created_at: str
     state: str  # queued, running, done, failed, cancelled
     attempt: int  # how often a worker has started it
     last_event: int
@@ -56,6 +35,10 @@ class StoredFit(NewFit):
     numbers: dict[str, Any] | None  # the last iterated event without its nodes
     reason: str | None
     verdict: str | None  # good, uncalibrated, check or unusable; None before the end
+
+    @property
+    def created_at(self) -> str:
+        return self.asked_at
 
     @property
     def ended(self) -> bool:
@@ -76,28 +59,26 @@ class Once:
         return cls(key_sha256, request_sha256)
 
 
-def add_fit(storage: Storage, created_at: str, fit_id: str, new_fit: NewFit, once: Once | None = None) -> str:
-    """Puts a fit at the end of the queue.
+def add_fit(storage: Storage, scan_id: str, fit_id: str, asked: FitDocument, once: Once | None = None) -> str:
+    """Puts a fit of the scan at the end of the queue.
 
     Gives its id, or that of the fit which the same request, or the same prediction, has made before.  Raises
     NotFound when the scan is gone, BadInput when the key came with another request.
     """
-    asked = asdict(new_fit)
-    del asked["scan"]
-    document = FitDocument.model_validate(asked | {"asked_at": created_at} | ({} if once is None else asdict(once)))
+    document = asked if once is None else asked.model_copy(update=asdict(once))
     made = storage.files.made(fit_place(fit_id))
     made.mkdir(mode=0o700, exist_ok=True)
     put(made, layout.FIT, content_of(document))
-    case = storage.case_of_scan(new_fit.scan)
+    case = storage.case_of_scan(scan_id)
     with storage.asking:  # of two that ask for the same one makes it
-        same = _same_prediction(storage, new_fit)
+        same = _same_prediction(storage, asked)
         if same is None and once is not None:
             same = made_before(storage, once)
         if same is not None:
             return same
         with case.writing():
-            case.check_scan(new_fit.scan)
-            case.put_folder(made, fit_part(new_fit.scan, fit_id))
+            case.check_scan(scan_id)
+            case.put_folder(made, fit_part(scan_id, fit_id))
         storage.index.refresh(case.id)
     return fit_id
 
@@ -112,9 +93,9 @@ def made_before(storage: Storage, once: Once) -> str | None:
     return found[0]
 
 
-def _same_prediction(storage: Storage, new_fit: NewFit) -> str | None:
+def _same_prediction(storage: Storage, new: FitDocument) -> str | None:
     """An equal prediction that waits, runs or is done; failed and cancelled ones are made again."""
-    source, stance = new_fit.predicted_from, new_fit.stance
+    source, stance = new.predicted_from, new.stance
     if source is None:
         return None
     asked = storage.index.asked(lambda rows: questions.predictions_of(rows, source, stance))
@@ -132,31 +113,28 @@ def _row(case: CaseFolder, scan_id: str, fit_id: str) -> StoredFit:
     document = case.read(f"{part}/{layout.FIT}", FitDocument)
     if document is None:
         raise NotFound(NO_FIT)
-    lines = fits.events_after(case.path / part)
+    folder = case.path / part
+    lines = fits.events_after(folder)
     last = json.loads(lines[-1][1]) if lines else None
     started = json.loads(lines[0][1]) if lines else {}
     iterated = [line for _, line in lines if line.startswith(b'{"kind":"iterated"')]
     numbers = json.loads(iterated[-1]) if iterated else None
-    folder = case.path / part
     state = fits.state_of(folder, document, last)
     end = last if last is not None and last["kind"] in ENDED else {}
-    asked = document.model_dump(exclude={"schema_", "asked_at", "key_sha256", "request_sha256", "stance"})
-    asked |= {"certain": tuple(document.certain), "cuts": tuple(document.cuts)}
-    return StoredFit(
-        **asked,
-        id=fit_id,
-        scan=scan_id,
-        stance=started.get("stance", document.stance),
-        asked_stance=document.stance,
-        created_at=document.asked_at,
-        state=state,
-        attempt=fits.starts_of(case.path / part),
-        last_event=len(lines),
-        iterations=len(iterated),
-        numbers=None if numbers is None else {k: v for k, v in numbers.items() if k not in ("kind", "nodes", "modes")},
-        reason=fits.reason_of(folder, document, end),
-        verdict=(end.get("result", {}).get("verdict") or {}).get("level"),
-    )
+    progress = {
+        "id": fit_id,
+        "scan": scan_id,
+        "stance": started.get("stance", document.stance),
+        "asked_stance": document.stance,
+        "state": state,
+        "attempt": fits.starts_of(folder),
+        "last_event": len(lines),
+        "iterations": len(iterated),
+        "numbers": numbers and {k: v for k, v in numbers.items() if k not in ("kind", "nodes", "modes")},
+        "reason": fits.reason_of(folder, document, end),
+        "verdict": (end.get("result", {}).get("verdict") or {}).get("level"),
+    }
+    return StoredFit.model_construct(**dict(document) | progress)
 
 
 def shown_cuts(storage: Storage, fit: StoredFit) -> Cuts:

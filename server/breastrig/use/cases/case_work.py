@@ -130,8 +130,8 @@ def asked_prediction(case: CaseFolder, fit_id: str, stance: str) -> FitDocument:
         raise Conflict(f"This fit is {fit.state}; a stance is predicted from a fit that is done.")
     if fit.last["result"]["stance"] == stance:
         raise BadInput(f"The scan is {stance} already; ask for another stance.")
-    asked = {"asked_at": utc_now(), "stance": stance, "predicted_from": fit_id, "start_from": None}
-    return fit.document.model_copy(update=asked)
+    asked = {"asked_at": utc_now(), "stance": stance, "predicted_from": fit_id}
+    return fit.document.model_copy(update=asked | dict.fromkeys(("start_from", "key_sha256", "request_sha256")))
 
 
 Runner = Callable[[FitJob], Generator[Event, None, None]]
