@@ -8,9 +8,9 @@ from flask.testing import FlaskClient
 from helpers.inked_scan import inked_zip
 from helpers.waiting import until
 
+from breastrig.cases.of_scans import get_ink, put_ink
 from breastrig.service.scans import scan_search as ink_search
 from breastrig.service.service import Service
-from breastrig.storage.documents.searches import get_ink, put_ink
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def test_ink_is_found_once_and_deleted_with_the_scan(
     assert (found["schema"], found["unit"]) == ("breastrig/drawing@1", "mm")
     assert {shape["kind"] for shape in found["shapes"]} == {"line", "closed", "dashed", "cross", "writing"}
     assert all(shape["length_mm"] > 10 for shape in found["shapes"])
-    until(lambda: get_ink(service.storage, inked) is not None, "the row")
+    until(lambda: get_ink(service.storage.case_of_scan(inked), inked) is not None, "the row")
 
     def again(_job: object) -> None:
         raise AssertionError("it was kept")
@@ -52,7 +52,7 @@ def test_what_a_person_dropped_stays_dropped_until_it_is_taken_back(
     assert answer.status_code == 409
     assert answer.json["detail"].startswith("The ink of this scan has not been looked for yet")
     until(lambda: client.get(place).status_code == 200, "the ink")
-    until(lambda: get_ink(service.storage, inked) is not None, "the row")
+    until(lambda: get_ink(service.storage.case_of_scan(inked), inked) is not None, "the row")
     found = client.get(place).json
     names = [shape["name"] for shape in found["shapes"]]
     assert not any(shape["dropped"] for shape in found["shapes"])
@@ -68,7 +68,7 @@ def test_what_a_person_dropped_stays_dropped_until_it_is_taken_back(
     assert dropped() == [names[0], names[2]]
     assert client.patch(place, json={"dropped": {names[0]: False, names[1]: True}}).status_code == 200
     assert dropped() == [names[1], names[2]]
-    put_ink(service.storage, inked, found)  # found once more by another process
+    put_ink(service.storage.case_of_scan(inked), inked, found)  # found once more by another process
     assert dropped() == [names[1], names[2]]
 
     answer = client.patch(place, json={"dropped": {names[1]: False, "midline": True}})

@@ -76,7 +76,7 @@ def test_it_comes_back_as_it_was_with_links_closed(tmp_path: Path) -> None:
     again.prepare()
     [row] = listed_page(again, 9, None)[0]
     assert get_plan(again, row.id).items[0]["text"] == "of K7M-4QX"
-    assert again.index.asked(lambda rows: secret_of_link(rows, link)) is None
+    assert again.index.asked(secret_of_link, link) is None
     assert b"scrypt" not in bytes_below(again.root)
     assert not check(again.root).fault
     assert [line["how"] for line in lines_from(again.root) if "how" in line] == ["restore", "backup"]

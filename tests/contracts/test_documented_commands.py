@@ -375,7 +375,7 @@ def test_the_documented_backup_holds_all_patients_and_nothing_that_opens_a_link(
     [patient] = listed_page(backup, 9, None)[0]
     assert get_plan(backup, patient.id).items[0]["text"] == "kept"
     assert [fit.state for fit in fits_page(backup, 9)[0]] == ["done"]
-    assert backup.index.asked(lambda rows: secret_of_link(rows, link)) is None
+    assert backup.index.asked(secret_of_link, link) is None
     storage.close()
     backup.close()
     assert b"scrypt" in kept_below(storage.root)

@@ -14,7 +14,7 @@ from breastrig.storage.storage import iso_utc
 
 def shown_files(service: Service, share_id: str) -> Path:
     """The folder of what the link shows."""
-    where = service.storage.index.asked(lambda rows: fit_of_link(rows, share_id))
+    where = service.storage.index.asked(fit_of_link, share_id)
     assert where is not None
     case, scan_id, fit_id = service.storage.case(where[0]), where[1], where[2]
     shown = get_link(case, scan_id, fit_id, share_id).shown
@@ -24,7 +24,7 @@ def shown_files(service: Service, share_id: str) -> Path:
 def expire(service: Service, share_id: str) -> None:
     """Sets the share's end to a second ago."""
     past = iso_utc(datetime.now(UTC) - timedelta(seconds=1))
-    where = service.storage.index.asked(lambda rows: fit_of_link(rows, share_id))
+    where = service.storage.index.asked(fit_of_link, share_id)
     assert where is not None
     case, scan_id, fit_id = service.storage.case(where[0]), where[1], where[2]
     with case.writing():

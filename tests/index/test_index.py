@@ -55,7 +55,7 @@ def content(index: Index) -> list[object]:
 
 
 def codes(index: Index, **more: object) -> list[str]:
-    return [row.code for row in index.asked(lambda rows: cases_page(rows, 50, **more))[0]]
+    return [row.code for row in index.asked(cases_page, 50, **more)[0]]
 
 
 def made_anew(root: Path) -> list[object]:
@@ -74,11 +74,11 @@ def test_it_says_whose_a_scan_and_a_fit_are(index: Index, cases: Cases) -> None:
         [fit] = os.listdir(case.scan_folder(scan) / "fits")
         assert index.asked(lambda rows, scan=scan: case_of_scan(rows, scan)) == case.id
         assert index.asked(lambda rows, fit=fit: case_of_fit(rows, fit)) == (case.id, scan)
-    assert index.asked(lambda rows: case_of_scan(rows, "nobody")) is None
-    assert index.asked(lambda rows: case_of_fit(rows, "nobody")) is None
+    assert index.asked(case_of_scan, "nobody") is None
+    assert index.asked(case_of_fit, "nobody") is None
     assert index.asked(count_by_state) == {"queued": 3}
-    assert len(index.asked(lambda rows: aged_scans(rows, "2026-01-02"))) == 3
-    assert index.asked(lambda rows: aged_scans(rows, "2025")) == []
+    assert len(index.asked(aged_scans, "2026-01-02")) == 3
+    assert index.asked(aged_scans, "2025") == []
 
 
 def test_the_worklist_is_sorted_searched_and_paged(index: Index) -> None:
@@ -151,19 +151,19 @@ def test_the_end_of_a_fit_is_seen_and_the_queue_keeps_its_order(index: Index, ca
     index.refresh(case.id)
     first = index.asked(next_waiting)
     assert first is not None
-    order = index.asked(lambda rows: queue_positions(rows, [first[2], *more]))
+    order = index.asked(queue_positions, [first[2], *more])
     assert order[first[2]] == 1
     with claimed(CaseFolder(index.root / "cases" / first[0]), first[1], first[2]) as claim:
         assert claim is not None
         claim.append({"kind": "done", "result": {"verdict": {"level": "good"}}})
     index.look()
     assert index.asked(count_by_state) == {"queued": 5, "done": 1}
-    after = index.asked(lambda rows: queue_positions(rows, [first[2], *more]))
+    after = index.asked(queue_positions, [first[2], *more])
     assert first[2] not in after
     assert after == {fit: order[fit] - 1 for fit in more}
     taken = index.asked(next_waiting)
     assert taken is not None
-    assert index.asked(lambda rows: next_waiting(rows, [taken[2]])) not in (None, taken)
+    assert index.asked(next_waiting, [taken[2]]) not in (None, taken)
 
 
 def test_a_copy_that_was_put_back_with_an_older_stamp_is_read(index: Index, cases: Cases) -> None:
@@ -241,7 +241,7 @@ def test_whatever_happens_to_its_file_it_is_made_again_at_the_start(index: Index
     assert found is not None
     assert (found.cases, found.scans, found.fits) == (3, 3, 3)
     assert content(again) == before
-    known = again.asked(lambda rows: secret_of_token(rows, SECRET.token_sha256))
+    known = again.asked(secret_of_token, SECRET.token_sha256)
     assert known == (SECRET if how == "another version" else None)  # the secrets of another folder open nothing here
     assert found.links_kept == (how == "another version")
     assert again.prepare() is None
@@ -257,7 +257,7 @@ def test_a_file_that_goes_while_it_is_used_is_made_again_and_nothing_is_missed(i
         assert content(index) == before
         with index.writing() as rows:
             put_secret(rows, SECRET)
-        assert index.asked(lambda rows: secret_of_token(rows, SECRET.token_sha256)) == SECRET
+        assert index.asked(secret_of_token, SECRET.token_sha256) == SECRET
 
 
 def test_damage_in_its_place_is_noticed_while_it_is_used(index: Index, root: Path) -> None:
@@ -404,7 +404,7 @@ def test_no_case_holds_what_opens_a_link(index: Index, root: Path) -> None:
     with index.writing() as rows:
         put_secret(rows, SECRET)
         note_opening(rows, SECRET.link, "2026-01-01T00:00:00.000Z", "bb" * 32)
-    assert index.asked(lambda rows: openings_of(rows, SECRET.link)) == ["2026-01-01T00:00:00.000Z"]
+    assert index.asked(openings_of, SECRET.link) == ["2026-01-01T00:00:00.000Z"]
     kept = b"".join(file.read_bytes() for file in (root / "cases").rglob("*") if file.is_file())
     for word in ("scrypt", SECRET.token_sha256):
         assert word.encode() not in kept
@@ -436,7 +436,7 @@ def test_links_that_another_program_deleted_are_forgotten_and_no_others(index: I
     assert [index.look() for _ in range(3)] == [1, 1, 0]
     known = {code: index.asked(lambda rows, code=code: secret_of_token(rows, code)) for code in links}
     assert {code for code, secret in known.items() if secret is not None} == {"P 2", "Ärztin"}
-    assert index.asked(lambda rows: openings_of(rows, links["P 10"])) == []
+    assert index.asked(openings_of, links["P 10"]) == []
 
 
 def test_an_error_undoes_all_that_was_written(index: Index) -> None:
@@ -447,14 +447,14 @@ def test_an_error_undoes_all_that_was_written(index: Index) -> None:
 
     with pytest.raises(RuntimeError):
         write_and_fail()
-    assert index.asked(lambda rows: secret_of_link(rows, SECRET.link)) is None
+    assert index.asked(secret_of_link, SECRET.link) is None
 
 
 def test_a_reader_does_not_wait_for_a_writer_and_sees_what_was_before(index: Index) -> None:
     with index.writing() as rows:
         put_secret(rows, SECRET)
-        assert index.asked(lambda rows: secret_of_link(rows, SECRET.link)) is None
-    assert index.asked(lambda rows: secret_of_link(rows, SECRET.link)) == SECRET
+        assert index.asked(secret_of_link, SECRET.link) is None
+    assert index.asked(secret_of_link, SECRET.link) == SECRET
 
 
 def test_writers_wait_for_each_other(index: Index, root: Path) -> None:
@@ -486,7 +486,7 @@ def test_a_look_for_damage_takes_no_lock_away(index: Index, root: Path) -> None:
     assert index.check()
     subprocess.run([sys.executable, "-c", look, str(file)], check=True)
     assert Path(f"{file}-wal").stat().st_size > 0
-    assert index.asked(lambda rows: secret_of_link(rows, SECRET.link)) == SECRET
+    assert index.asked(secret_of_link, SECRET.link) == SECRET
 
 
 def test_sessions_of_before_a_lost_index_are_over(index: Index, root: Path) -> None:
@@ -494,15 +494,15 @@ def test_sessions_of_before_a_lost_index_are_over(index: Index, root: Path) -> N
     with index.writing() as rows:
         rows.execute("DELETE FROM meta WHERE key = 'sessions_from'")
         end_session(rows, "cc" * 32, first)
-    assert index.asked(lambda rows: is_session_over(rows, "cc" * 32, first))
-    assert not index.asked(lambda rows: is_session_over(rows, "dd" * 32, first))
+    assert index.asked(is_session_over, "cc" * 32, first)
+    assert not index.asked(is_session_over, "dd" * 32, first)
     index.rebuild()
-    assert index.asked(lambda rows: is_session_over(rows, "cc" * 32, first))
-    assert not index.asked(lambda rows: is_session_over(rows, "dd" * 32, first))
+    assert index.asked(is_session_over, "cc" * 32, first)
+    assert not index.asked(is_session_over, "dd" * 32, first)
     for file in root.glob("index-*"):
         file.unlink()
-    assert index.asked(lambda rows: is_session_over(rows, "dd" * 32, first))
-    assert not index.asked(lambda rows: is_session_over(rows, "dd" * 32, "2999-01-01T00:00:00.000Z"))
+    assert index.asked(is_session_over, "dd" * 32, first)
+    assert not index.asked(is_session_over, "dd" * 32, "2999-01-01T00:00:00.000Z")
 
 
 def test_a_deleted_scan_leaves_no_row(index: Index, cases: Cases, root: Path) -> None:

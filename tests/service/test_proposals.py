@@ -1,6 +1,6 @@
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from typing import Any
 
@@ -8,11 +8,11 @@ import pytest
 from helpers import fake_fit, fake_proposals
 from helpers.waiting import PATIENCE_S, until
 
+from breastrig.cases import of_scans
 from breastrig.core.errors import BreastRigError, FitFailed, NotFound
 from breastrig.execution.limits import UploadLimits
 from breastrig.service.scans.scan_search import Proposals
 from breastrig.storage.documents.scans import get_scan
-from breastrig.storage.documents.searches import get_proposals
 from breastrig.storage.storage import Storage
 
 pytestmark = pytest.mark.long
@@ -34,6 +34,13 @@ FOUND = {
         "reason": None,
     },
 }
+
+
+def kept(storage: Storage, scan_id: str, model_sha256: str) -> dict | None:
+    """The proposals that are in the case; None where it is gone."""
+    with suppress(NotFound):
+        return of_scans.get_proposals(storage.case_of_scan(scan_id), scan_id, model_sha256)
+    return None
 
 
 def times_made(storage: Storage, scan_id: str) -> int:
@@ -63,7 +70,7 @@ def test_whoever_asks_gets_one_computation_which_outlives_the_server(serving, st
             thread.join()
         assert answers == [FOUND] * 5
         assert service.proposals.of(scan, "a" * 64, PATIENCE_S) == FOUND
-        until(lambda: get_proposals(storage, scan_id, "a" * 64) is not None, "the row")
+        until(lambda: kept(storage, scan_id, "a" * 64) is not None, "the row")
     with serving(fake_fit.quick, proposer=fake_proposals.failing) as service:
         assert service.proposals.of(scan, "a" * 64, 0.0) == FOUND
     assert times_made(storage, scan_id) == 1
@@ -74,9 +81,9 @@ def test_another_model_proposes_anew(serving, storage: Storage, scan_id: str) ->
     with serving(fake_fit.quick) as service:
         for made, model in enumerate(("a" * 64, "b" * 64), start=1):
             assert service.proposals.of(scan, model, PATIENCE_S) == FOUND
-            until(lambda model=model: get_proposals(storage, scan_id, model) is not None, "the row")
+            until(lambda model=model: kept(storage, scan_id, model) is not None, "the row")
             assert times_made(storage, scan_id) == made
-        assert get_proposals(storage, scan_id, "a" * 64) is None
+        assert kept(storage, scan_id, "a" * 64) is None
 
 
 def test_another_model_does_not_get_what_is_being_found_for_the_first(serving, storage: Storage, scan_id: str) -> None:
@@ -116,7 +123,7 @@ def test_a_failure_is_a_sentence_and_is_not_kept(
             with pytest.raises(FitFailed, match=sentence):
                 service.proposals.of(scan, "a" * 64, PATIENCE_S)
         assert service.proposals._running == {}
-    assert get_proposals(storage, scan_id, "a" * 64) is None
+    assert kept(storage, scan_id, "a" * 64) is None
 
 
 def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, storage: Storage, scan_id: str) -> None:
@@ -136,7 +143,7 @@ def test_deleting_the_scan_ends_the_search_and_removes_what_was_found(serving, s
         service.delete_scan(scan_id)
         thread.join(timeout=PATIENCE_S)
         assert [type(error) for error in raised] == [NotFound]
-        assert get_proposals(storage, scan_id, "a" * 64) is None
+        assert kept(storage, scan_id, "a" * 64) is None
 
 
 def test_who_asks_while_a_search_is_being_stored_begins_no_second_one(
@@ -151,7 +158,7 @@ def test_who_asks_while_a_search_is_being_stored_begins_no_second_one(
             found = stored(self, scan_id, variant)
             lookups.append(found)
             if len(lookups) == 2:  # of the second caller
-                until(lambda: get_proposals(storage, scan_id, "a" * 64) is not None, "the row")
+                until(lambda: kept(storage, scan_id, "a" * 64) is not None, "the row")
                 until(lambda: not self._running, "the end of the search")
             return found
 

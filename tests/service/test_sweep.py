@@ -14,10 +14,11 @@ from breastrig.cli.main import main
 from breastrig.core import wall_clock
 from breastrig.execution.limits import FitLimits
 from breastrig.index.index import Index
+from breastrig.index.questions import aged_scans
 from breastrig.service import sweep
 from breastrig.service.service import Service
 from breastrig.service.sweep import Retention, Sweep
-from breastrig.storage.documents.expiring_scans import aged_scans, announce
+from breastrig.storage.documents.expiring_scans import announce
 from breastrig.storage.documents.patients import listed_page
 from breastrig.storage.documents.scans import StoredScan, add_scan
 from breastrig.storage.storage import Storage, iso_utc
@@ -104,7 +105,7 @@ def test_starts_with_a_clock_that_is_40_days_ahead_delete_nothing(
         clock.jump(days=-40)
         server = Retention(storage, 30)
         assert server.due() == []
-        assert [scan for scan in aged_scans(storage, "0") if scan.announced_at] == []
+        assert [scan for scan in storage.index.asked(aged_scans, "0") if scan.announced_at] == []
 
 
 def test_a_clock_that_jumps_while_the_server_runs_deletes_nothing_however_often(

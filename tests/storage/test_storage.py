@@ -63,7 +63,7 @@ def test_deleting_a_scan_touches_nothing_else(storage: Storage, scan_id: str, tm
 def test_a_fit_that_a_process_is_at_is_waited_for(storage: Storage, scan_id: str, fit_id: str) -> None:
     case, _ = storage.case_of_fit(fit_id)
     with claimed(case, scan_id, fit_id):
-        assert not storage.wait_until_free(fit_id, 0.02)
-    assert storage.wait_until_free(fit_id, 0.02)
+        assert not storage.files.wait_until_free(fit_id, 0.02)
+    assert storage.files.wait_until_free(fit_id, 0.02)
     assert delete_scan(storage, scan_id) == []
-    assert storage.wait_until_free(fit_id, 0.02)
+    assert storage.files.wait_until_free(fit_id, 0.02)

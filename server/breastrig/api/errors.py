@@ -18,6 +18,7 @@ from werkzeug.exceptions import HTTPException
 
 from breastrig.api.wire.patients import PLAIN
 from breastrig.core import errors
+from breastrig.index.file import is_full
 from breastrig.storage.storage import Storage
 
 log = logging.getLogger(__name__)
@@ -133,7 +134,7 @@ def _validation_error(error: HTTPError) -> Response:
 
 
 def _index_trouble(storage: Storage, error: sqlite3.Error) -> Response:
-    if storage.is_disk_full(error) and shutil.disk_usage(storage.root).free < NO_ROOM_BYTES:
+    if is_full(error) and shutil.disk_usage(storage.root).free < NO_ROOM_BYTES:
         return _disk_is_full()
     log.error("the index cannot be used: %s", error)
     return _later("The service cannot store anything at the moment; its disk may be full. Try again later.")

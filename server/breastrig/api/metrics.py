@@ -16,9 +16,10 @@ from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest
 from prometheus_client.registry import Collector
 
 from breastrig.api.request_log import BEGAN, route_of_request
+from breastrig.index.questions import count_by_state
 from breastrig.service.service import Service
 from breastrig.storage.deletion import count_left
-from breastrig.storage.documents.fits import STATES, count_by_state
+from breastrig.storage.documents.fits import STATES
 
 BUCKETS_S = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # answers take milliseconds, uploads and proposals seconds
 FIT_BUCKETS_S = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 120.0)  # a fit takes about a second, 120 s is its limit
@@ -74,7 +75,7 @@ class _Fits(Collector):
         return []
 
     def collect(self) -> Iterator[Metric]:
-        counts = count_by_state(self._service.storage)
+        counts = self._service.storage.index.asked(count_by_state)
         states = GaugeMetricFamily("breastrig_fits", "Fits that are kept, by state", labels=["state"])
         for state in STATES:
             states.add_metric([state], counts.get(state, 0))

@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import Concatenate, ParamSpec, TypeVar
 
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, utc_now
@@ -27,6 +27,7 @@ from breastrig.index.schema import ONLY_HERE, TABLES
 WRITER_S = 30.0  # so long a refresh waits for who writes into the case
 
 Answer = TypeVar("Answer")
+Given = ParamSpec("Given")
 log = logging.getLogger(__name__)
 
 
@@ -140,7 +141,7 @@ class Index:
         Returns those that are still behind, as somebody is writing into them or the disk is full.
         """
         behind = set()
-        known = self.asked(lambda rows: questions.stamps(rows, case_ids))
+        known = self.asked(questions.stamps, case_ids)
         for case_id in case_ids:
             try:
                 if stamp_of(self._folder(case_id)) == known.get(case_id):
@@ -157,17 +158,22 @@ class Index:
                 behind.add(case_id)
         return behind
 
-    def asked(self, question: Callable[[sqlite3.Connection], Answer]) -> Answer:
+    def asked(
+        self,
+        question: Callable[Concatenate[sqlite3.Connection, Given], Answer],
+        *given: Given.args,
+        **named: Given.kwargs,
+    ) -> Answer:
         """The answer to a question that reads one state; a damaged file is made again, and asked once more."""
         try:
             with self._connection() as rows:
-                return _answer(rows, question)
+                return _answer(rows, question, *given, **named)
         except sqlite3.DatabaseError as error:
             if not files.is_damage(error):
                 raise
         self._rebuild_damaged()
         with self._connection() as rows:
-            return _answer(rows, question)
+            return _answer(rows, question, *given, **named)
 
     @contextmanager
     def writing(self) -> Iterator[sqlite3.Connection]:
@@ -362,10 +368,15 @@ class Index:
         return len(gone)
 
 
-def _answer(rows: sqlite3.Connection, question: Callable[[sqlite3.Connection], Answer]) -> Answer:
+def _answer(
+    rows: sqlite3.Connection,
+    question: Callable[Concatenate[sqlite3.Connection, Given], Answer],
+    *given: Given.args,
+    **named: Given.kwargs,
+) -> Answer:
     rows.execute("BEGIN")
     try:
-        return question(rows)
+        return question(rows, *given, **named)
     finally:
         rows.rollback()
 

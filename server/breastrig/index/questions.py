@@ -52,6 +52,15 @@ class ListedCase(CaseRow):
 
 
 @dataclass(frozen=True)
+class AgedScan:
+    """Times ISO 8601, UTC."""
+
+    id: str
+    created_at: str
+    announced_at: str | None  # its deletion
+
+
+@dataclass(frozen=True)
 class LinkSecret:
     """The stored secrets of a link."""
 
@@ -151,10 +160,10 @@ def scans_page(
     return [row[0] for row in found[:limit]], more
 
 
-def aged_scans(rows: sqlite3.Connection, created_until: str) -> list[tuple[str, str, str | None]]:
-    """(scan, when it came, when its deletion was announced) of old ones and announced ones, the oldest first."""
+def aged_scans(rows: sqlite3.Connection, created_until: str) -> list[AgedScan]:
+    """Scans of up to that time, and all whose deletion has been announced; the oldest first."""
     chosen = "SELECT id, created_at, announced_at FROM scans WHERE created_at <= ? OR announced_at IS NOT NULL"
-    return [(row[0], row[1], row[2]) for row in rows.execute(f"{chosen} ORDER BY created_at", (created_until,))]
+    return [AgedScan(*row) for row in rows.execute(f"{chosen} ORDER BY created_at", (created_until,))]
 
 
 def new_code(rows: sqlite3.Connection) -> str:
@@ -187,10 +196,6 @@ def note_state(rows: sqlite3.Connection, fit: str, state: str) -> None:
 def put_back(rows: sqlite3.Connection) -> int:
     """Fits that run wait again; how many they were."""
     return rows.execute("UPDATE fits SET state = 'queued' WHERE state = 'running'").rowcount
-
-
-def fits_in_state(rows: sqlite3.Connection, state: str) -> list[str]:
-    return [row[0] for row in rows.execute("SELECT id FROM fits WHERE state = ?", (state,))]
 
 
 def fits_page(

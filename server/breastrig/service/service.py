@@ -248,7 +248,7 @@ class Service:
         fit_id = new_id()
         place = fit_place(fit_id)
         try:
-            self.storage.make_fit(fit_id)
+            self.storage.files.make(place)
             made = add_fit(self.storage, scan_id, fit_id, asked, once)
         except BaseException:
             self.storage.discard(place)

@@ -19,8 +19,9 @@ from breastrig.audit.deletions import deletion
 from breastrig.audit.log import AuditLog
 from breastrig.core import wall_clock
 from breastrig.core.errors import NotFound, NotRemoved
+from breastrig.index.questions import AgedScan, aged_scans
 from breastrig.storage.deletion import look, remove_left
-from breastrig.storage.documents.expiring_scans import AgedScan, aged_scans, announce, withdraw
+from breastrig.storage.documents.expiring_scans import announce, withdraw
 from breastrig.storage.storage import Storage, iso_utc
 
 KEEP_DAYS = 30
@@ -48,7 +49,7 @@ class Retention:
     def due(self) -> list[str]:
         """The scans to be deleted now.  Announces the deletion of others."""
         now = wall_clock.now()
-        found = aged_scans(self._storage, iso_utc(now - self._announce_at))
+        found = self._storage.index.asked(aged_scans, iso_utc(now - self._announce_at))
         new = [scan.id for scan in found if self._is_new(scan, now)]
         wrong = [scan.id for scan in found if self._is_wrong(scan, now)]
         if new:
@@ -141,7 +142,7 @@ class Sweep:
                     self._end_expired()
                 if began - looked_at >= LOOK_EVERY_S:
                     looked_at = began
-                    self._storage.check_integrity()
+                    self._storage.index.check()
                     self._delete_old()
             except sqlite3.Error as error:  # the index is busy, which others say
                 log.error("old scans cannot be looked for: %s", type(error).__name__)

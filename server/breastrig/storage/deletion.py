@@ -14,6 +14,7 @@ from breastrig.cases.case_folder import CaseFolder, remove_tree
 from breastrig.cases.layout import scan_part
 from breastrig.core.errors import NotFound
 from breastrig.index import questions
+from breastrig.index.file import is_full
 from breastrig.storage.files import scan_place
 from breastrig.storage.storage import Storage, Unremoved
 
@@ -25,7 +26,7 @@ def delete_scan(storage: Storage, scan_id: str) -> list[Unremoved]:
 
     No such scan is no error.
     """
-    links = storage.index.asked(lambda rows: questions.links_of_scan(rows, scan_id))
+    links = storage.index.asked(questions.links_of_scan, scan_id)
     try:
         case = storage.case_of_scan(scan_id)
         left = removal.delete_scan(case, scan_id)
@@ -38,7 +39,7 @@ def delete_scan(storage: Storage, scan_id: str) -> list[Unremoved]:
     try:
         storage.index.making_room(partial(_forget, storage, case.id, links))
     except sqlite3.Error as error:
-        if not storage.is_disk_full(error):
+        if not is_full(error):
             raise
         log.error("the disk is full: what was deleted is still in the index, which nobody is shown")
     storage.index.keep_room()

@@ -60,14 +60,14 @@ class Folders:
         kind, _, name = place.partition("/")
         cases = self.root / layout.CASES
         if kind == "scans":
-            case = self._index.asked(lambda rows: questions.case_of_scan(rows, name))
+            case = self._index.asked(questions.case_of_scan, name)
             return None if case is None else cases / case / layout.scan_part(name)
         if kind == "fits":
-            found = self._index.asked(lambda rows: questions.case_of_fit(rows, name))
+            found = self._index.asked(questions.case_of_fit, name)
             return None if found is None else cases / found[0] / layout.fit_part(found[1], name)
         if kind == "shares":
             link, _, number = name.partition(".")
-            where = self._index.asked(lambda rows: questions.fit_of_link(rows, link))
+            where = self._index.asked(questions.fit_of_link, link)
             if where is None:
                 return None
             return cases / where[0] / layout.link_part(where[1], where[2], link) / f"{layout.SHOWN}{number}"

@@ -25,10 +25,9 @@ from breastrig.core import wall_clock
 from breastrig.core.errors import BadSettings, NotFound
 from breastrig.core.scratch import sweep_scratch
 from breastrig.index import questions
-from breastrig.index.file import is_full
 from breastrig.index.index import Index
 from breastrig.storage.data_folder import claim
-from breastrig.storage.files import MARK, MODELS, ROOT, fit_place
+from breastrig.storage.files import MARK, MODELS, ROOT
 from breastrig.storage.folders import Folders, new_id
 
 log = logging.getLogger(__name__)
@@ -144,7 +143,7 @@ class Storage:
 
     def case_of_scan(self, scan_id: str) -> CaseFolder:
         """The scan's case. Raises NotFound."""
-        found = self.index.asked(lambda rows: questions.case_of_scan(rows, scan_id))
+        found = self.index.asked(questions.case_of_scan, scan_id)
         try:
             if found is not None:
                 return self.case(found)
@@ -154,17 +153,13 @@ class Storage:
 
     def case_of_fit(self, fit_id: str) -> tuple[CaseFolder, str]:
         """The fit's case, and its scan's id. Raises NotFound."""
-        found = self.index.asked(lambda rows: questions.case_of_fit(rows, fit_id))
+        found = self.index.asked(questions.case_of_fit, fit_id)
         try:
             if found is not None:
                 return self.case(found[0]), found[1]
         except NotFound:
             pass
         raise NotFound(NO_FIT)
-
-    def is_disk_full(self, error: Exception) -> bool:
-        """Whether an error was caused by a full disk of the data folder."""
-        return is_full(error)
 
     def forget_deleted(self) -> None:
         """Gives up what deleted rows still take, now or at the next call of `forget_pending`."""
@@ -173,10 +168,6 @@ class Storage:
     def forget_pending(self) -> None:
         if self._forget_again:
             self.forget_deleted()
-
-    def check_integrity(self) -> None:
-        """Checks the index, as much as some seconds suffice for; rebuilds a damaged one."""
-        self.index.check()
 
     def has_room(self) -> bool:
         """Whether something can be written into the data folder."""
@@ -193,14 +184,6 @@ class Storage:
             return self.files.find(ROOT, MARK) is not None
         except OSError:
             return False
-
-    def make_fit(self, fit_id: str) -> None:
-        """A folder for what a fit needs before it is asked for."""
-        self.files.make(fit_place(fit_id))
-
-    def wait_until_free(self, fit_id: str, timeout_s: float) -> bool:
-        """Whether nobody is at work at the fit any more, waiting for that a little."""
-        return self.files.wait_until_free(fit_id, timeout_s)
 
     def discard(self, *places: str) -> None:
         """Removes files that were made and are not kept after all; the rest goes at the next start."""

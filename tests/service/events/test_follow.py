@@ -7,11 +7,11 @@ from helpers import fake_fit
 from helpers.stored_fits import add_waiting_fit, append, named
 from helpers.waiting import PATIENCE_S, ask_for_fit, stored_events, until
 
+from breastrig.index.questions import note_state
 from breastrig.service.events import feeds
 from breastrig.service.events.feeds import LOOK_EVERY_S, Heartbeat, Listener, Notifier, Queued, follow
 from breastrig.storage.deletion import delete_scan
 from breastrig.storage.documents.events import StoredEvent, events_after
-from breastrig.storage.documents.fits import note_start
 from breastrig.storage.storage import Storage
 
 
@@ -62,7 +62,8 @@ def test_news_of_one_fit_wake_only_those_whom_they_concern(
     for fit_id in ("mine", "other", "waiting"):
         add_waiting_fit(storage, scan_id, named(fit_id))
     for fit_id in ("other", "mine"):
-        note_start(storage, named(fit_id))
+        with storage.index.writing() as rows:
+            note_state(rows, named(fit_id), "running")
     notifier = Notifier(storage)
     with (
         notifier.listen(named("mine")) as mine,
@@ -76,7 +77,8 @@ def test_news_of_one_fit_wake_only_those_whom_they_concern(
             until(lambda: notified == ["mine"], "the ring for an iteration")
             append(storage, named("mine"), {"kind": "failed", "reason": "so it is"})
             until(lambda: len(notified) == 2, "the ring for an end")
-            note_start(storage, named("waiting"))
+            with storage.index.writing() as rows:
+                note_state(rows, named("waiting"), "running")
             until(lambda: len(notified) == 3, "the ring for the one that waits no more")
             assert notified == ["mine", "mine", "waiting"]
         finally:

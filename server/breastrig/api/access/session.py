@@ -25,7 +25,7 @@ from itsdangerous import BadData, URLSafeTimedSerializer
 from breastrig.api.access.person import HOLDER, Person, Role
 from breastrig.api.config import Config
 from breastrig.core import wall_clock
-from breastrig.storage.documents.ended_sessions import add_ended_session, has_ended
+from breastrig.index import questions
 from breastrig.storage.storage import Storage, iso_utc
 
 COOKIE = "breastrig_session"
@@ -69,14 +69,15 @@ def person_in_session(config: Config, storage: Storage) -> Person | None:
     is_new = -AHEAD_S <= (now - found.seen).total_seconds() <= longest
     if not is_new or (now - found.began).total_seconds() > LASTS_S:
         return None
-    return None if has_ended(storage, found.sha256, iso_utc(found.began)) else found.person
+    return None if storage.index.asked(questions.is_session_over, found.sha256, iso_utc(found.began)) else found.person
 
 
 def end_session(response: Response, config: Config, storage: Storage) -> None:
     """Removes the cookie, and ends the sessions of its copies."""
     found, now = _session(config), wall_clock.now()
     if found is not None:
-        add_ended_session(storage, found.sha256, iso_utc(now), iso_utc(now - timedelta(seconds=FORGET_S)))
+        with storage.index.writing() as rows:
+            questions.end_session(rows, found.sha256, iso_utc(now), iso_utc(now - timedelta(seconds=FORGET_S)))
     response.delete_cookie(cookie_name(), path="/", secure=request.is_secure, httponly=True, samesite="Strict")
 
 

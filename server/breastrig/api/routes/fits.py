@@ -19,8 +19,9 @@ from breastrig.core.errors import BadSettings, Conflict, NotFound, unknown_name
 from breastrig.core.picks import Picks
 from breastrig.drawings.patterns import asked_drawing
 from breastrig.fitting.recipe import preset_names
+from breastrig.index.questions import queue_positions
 from breastrig.storage.documents.events import event_of_kind
-from breastrig.storage.documents.fits import Once, StoredFit, fits_page, get_fit, queue_positions
+from breastrig.storage.documents.fits import Once, StoredFit, fits_page, get_fit
 from breastrig.storage.documents.scans import StoredScan, cuts_digest, get_cuts, get_landmarks, get_scan
 from breastrig.storage.storage import Storage, utc_now
 from breastrig.use.steps.events import Iterated
@@ -226,7 +227,7 @@ def fit_answer(row: StoredFit) -> wire.Fit:
 def _answers(rows: Sequence[StoredFit]) -> list[wire.Fit]:
     """The stored rows as the API shows them, by one query however many they are."""
     waiting = [row.id for row in rows if row.state == "queued"]
-    positions = queue_positions(storage, waiting) if waiting else {}
+    positions = storage.index.asked(queue_positions, waiting) if waiting else {}
     return [
         wire.Fit.of(
             row,

@@ -16,8 +16,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from breastrig.core.errors import NotFound
+from breastrig.index.questions import queue_positions
 from breastrig.storage.documents.events import StoredEvent, events_after, log_of
-from breastrig.storage.documents.fits import get_fit, queue_positions
+from breastrig.storage.documents.fits import get_fit
 from breastrig.storage.storage import Storage
 from breastrig.use.steps.events import LAST_KINDS
 
@@ -78,7 +79,7 @@ class Feed:
         try:
             self.events += events_after(self._storage, self._fit_id, len(self.events))
             get_fit(self._storage, self._fit_id)
-            self.queue_position = queue_positions(self._storage, [self._fit_id]).get(self._fit_id)
+            self.queue_position = self._storage.index.asked(queue_positions, [self._fit_id]).get(self._fit_id)
         except NotFound:
             self.is_deleted = True
         except sqlite3.Error:

@@ -21,18 +21,10 @@ from breastrig.core.model_choice import ModelChoice
 from breastrig.execution.executor import Executor
 from breastrig.execution.limits import FitLimits
 from breastrig.fitting.prepare_scan import keeping
-from breastrig.index.questions import note_state
+from breastrig.index.questions import count_by_state, next_waiting, note_state, put_back, queue_positions
 from breastrig.service.failed_tasks import FULL
 from breastrig.service.fits.fit_worker import UNWRITTEN, execute_fit
-from breastrig.storage.documents.fits import (
-    StoredFit,
-    fits_in_state,
-    get_fit,
-    next_queued,
-    note_start,
-    put_back,
-    still_queued,
-)
+from breastrig.storage.documents.fits import StoredFit, get_fit
 from breastrig.storage.storage import Storage
 from breastrig.use.cases.case_work import Runners
 from breastrig.use.steps.events import Cancelled, Event, Failed, event_json
@@ -76,8 +68,9 @@ class FitQueue:
 
     def recover(self) -> tuple[int, int]:
         """After a start: takes up the fits that ran, and those that waited.  (how many ran, how many wait now)."""
-        interrupted = put_back(self._storage)
-        waiting = len(fits_in_state(self._storage, "queued"))
+        with self._storage.index.writing() as rows:
+            interrupted = put_back(rows)
+        waiting = self._storage.index.asked(count_by_state).get("queued", 0)
         self.wake()
         self._look.start()
         return interrupted, waiting
@@ -86,10 +79,10 @@ class FitQueue:
         """Gives free workers the oldest waiting fits."""
         with self._lock:
             while not self._stopping and len(self._running) < self._processes.workers:
-                fit_id = next_queued(self._storage, set(self._running))
-                if fit_id is None:
+                found = self._storage.index.asked(next_waiting, set(self._running))
+                if found is None:
                     break
-                self._start(fit_id)
+                self._start(found[2])
 
     def cancel(self, fit_id: str) -> StoredFit:
         """Ends the fit and kills its process.
@@ -102,7 +95,7 @@ class FitQueue:
         case, scan_id = self._storage.case_of_fit(fit_id)
         cancel_fit(case, scan_id, fit_id)  # from here on nothing is stored but its end
         self._kill(fit_id)
-        self._storage.wait_until_free(fit_id, KILL_S)
+        self._storage.files.wait_until_free(fit_id, KILL_S)
         self._end(fit_id, Cancelled())
         self._storage.index.refresh(case.id)
         return get_fit(self._storage, fit_id)
@@ -112,7 +105,7 @@ class FitQueue:
         for fit_id in fit_ids:
             self._kill(fit_id)  # the deletion itself is its end
         for fit_id in fit_ids:
-            if not self._storage.wait_until_free(fit_id, KILL_S):
+            if not self._storage.files.wait_until_free(fit_id, KILL_S):
                 log.error("the process of fit %s does not end", fit_id)
 
     def stop(self) -> None:
@@ -124,7 +117,8 @@ class FitQueue:
         wait(running.values(), timeout=self._limits.grace_s)
         self._processes.stop()
         try:
-            put_back(self._storage)
+            with self._storage.index.writing() as rows:
+                put_back(rows)
         except sqlite3.Error as unwritten:  # the next start does it
             log.error("the fits that ran cannot be put back yet: %s", type(unwritten).__name__)
 
@@ -139,7 +133,8 @@ class FitQueue:
     def _start(self, fit_id: str) -> None:
         self._starts[fit_id] = self._starts.get(fit_id, 0) + 1
         self._began[fit_id] = time.monotonic()
-        note_start(self._storage, fit_id)
+        with self._storage.index.writing() as rows:
+            note_state(rows, fit_id, "running")
         task = (execute_fit, self._root, fit_id, self._runners, self._models)
         future = self._processes.schedule(keeping, task, self._limits.wall_s, self._scan_of(fit_id))
         self._running[fit_id] = future
@@ -252,7 +247,7 @@ class WaitingCap:
             yield lambda _fit_id: None
             return
         with self._lock:
-            waiting = still_queued(self._storage, self._asked.get(client, set()))
+            waiting = set(self._storage.index.asked(queue_positions, self._asked.get(client, set())))
             if len(waiting) >= self._most:
                 raise TooMany(
                     f"{len(waiting)} of your fits are waiting already, as many as one client may have; "

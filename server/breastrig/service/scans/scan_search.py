@@ -19,6 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from breastrig.cases import of_scans
+from breastrig.cases.documents import InkDocument
 from breastrig.core.errors import BadScan, BreastRigError, FitFailed, NotFound
 from breastrig.core.model_choice import ModelChoice
 from breastrig.core.picks import Picks
@@ -28,7 +30,6 @@ from breastrig.scan.hand_cuts import are_cut
 from breastrig.scan.piece import COLOURLESS
 from breastrig.service.failed_tasks import FULL
 from breastrig.storage.documents.scans import StoredScan, cuts_digest, get_cuts, get_factor, get_landmarks, get_scan
-from breastrig.storage.documents.searches import drop_ink, get_ink, get_proposals, put_ink, put_proposals
 from breastrig.storage.files import scan_place, upload_name
 from breastrig.storage.storage import Storage
 from breastrig.use.ink import InkJob, find_ink_on_file
@@ -163,8 +164,9 @@ class InkSearch(ScanSearch):
         return None if found is None else self._with_cuts(scan.id, found)
 
     def mark_dropped(self, scan_id: str, dropped: Mapping[str, bool]) -> dict[str, Any]:
-        """The drawing after these lines were dropped, or are so no more; raises as `drop_ink`."""
-        return self._with_cuts(scan_id, drop_ink(self._storage, scan_id, dropped))
+        """The drawing after these lines were dropped, or are so no more; raises as `of_scans.drop_ink`."""
+        found = of_scans.drop_ink(self._storage.case_of_scan(scan_id), scan_id, dict(dropped))
+        return self._with_cuts(scan_id, _drawing(found))
 
     def _with_cuts(self, scan_id: str, drawing: dict[str, Any]) -> dict[str, Any]:
         """Says of each line that lies for the most part in what is cut out of the scan by hand that it is cut."""
@@ -179,13 +181,24 @@ class InkSearch(ScanSearch):
         return drawing | {"shapes": shapes}
 
     def _stored(self, scan_id: str, variant: str) -> dict[str, Any] | None:
-        return get_ink(self._storage, scan_id)
+        with suppress(NotFound):
+            found = of_scans.get_ink(self._storage.case_of_scan(scan_id), scan_id)
+            return None if found is None else _drawing(found)
+        return None
 
     def _store(self, scan_id: str, variant: str, found: dict[str, Any]) -> None:
-        put_ink(self._storage, scan_id, found)
+        of_scans.put_ink(self._storage.case_of_scan(scan_id), scan_id, found)
 
     def _task(self, file: Path, scan: StoredScan) -> Task:
         return find_ink_on_file, InkJob(file, scan.file_type, scan.facts["unit"])
+
+
+def _drawing(found: InkDocument) -> dict[str, Any]:
+    """The found drawing, with dropped shapes marked."""
+    document = found.model_dump(mode="json", by_alias=True)
+    dropped, _ = document.pop("dropped"), document.pop("scale")
+    shapes = [shape | {"dropped": True} if shape["name"] in dropped else shape for shape in document["shapes"]]
+    return document | {"shapes": shapes}
 
 
 SAME_PLACE = 0.05  # mm; no click meets a proposal so closely
@@ -230,10 +243,12 @@ class Proposals(ScanSearch):
         return replace(picks, confidence=picks.confidence | found)
 
     def _stored(self, scan_id: str, variant: str) -> dict[str, Any] | None:
-        return get_proposals(self._storage, scan_id, variant)
+        with suppress(NotFound):
+            return of_scans.get_proposals(self._storage.case_of_scan(scan_id), scan_id, variant)
+        return None
 
     def _store(self, scan_id: str, variant: str, found: dict[str, Any]) -> None:
-        put_proposals(self._storage, scan_id, variant, found)
+        of_scans.put_proposals(self._storage.case_of_scan(scan_id), scan_id, variant, found)
 
     def _task(self, file: Path, scan: StoredScan) -> Task:
         cuts = get_cuts(self._storage, scan.id)

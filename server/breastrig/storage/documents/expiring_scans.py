@@ -1,30 +1,13 @@
-"""Scans that are nearly too old, with the time when their deletion was announced."""
+"""Announcements that scans will be deleted by their age."""
 
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
 
 from breastrig.cases import layout
 from breastrig.cases.documents import ExpiresDocument, content_of
 from breastrig.cases.writing import put
 from breastrig.core.errors import NotFound
-from breastrig.index import questions
 from breastrig.storage.storage import Storage
-
-
-@dataclass(frozen=True)
-class AgedScan:
-    """Times as `iso_utc`."""
-
-    id: str
-    created_at: str
-    announced_at: str | None
-
-
-def aged_scans(storage: Storage, created_until: str) -> list[AgedScan]:
-    """Scans of up to that time, and all whose deletion has been announced; the oldest first."""
-    found = storage.index.asked(lambda rows: questions.aged_scans(rows, created_until))
-    return [AgedScan(*row) for row in found]
 
 
 def announce(storage: Storage, scan_ids: Iterable[str], now: str) -> None:

@@ -85,7 +85,7 @@ def add_fit(storage: Storage, scan_id: str, fit_id: str, asked: FitDocument, onc
 
 def made_before(storage: Storage, once: Once) -> str | None:
     """The fit that the same request has made; BadInput when the key came with another request."""
-    found = storage.index.asked(lambda rows: questions.fit_of_key(rows, once.key_sha256))
+    found = storage.index.asked(questions.fit_of_key, once.key_sha256)
     if found is None:
         return None
     if found[1] != once.request_sha256:
@@ -98,7 +98,7 @@ def _same_prediction(storage: Storage, new: FitDocument) -> str | None:
     source, stance = new.predicted_from, new.stance
     if source is None:
         return None
-    asked = storage.index.asked(lambda rows: questions.predictions_of(rows, source, stance))
+    asked = storage.index.asked(questions.predictions_of, source, stance)
     return next((fit.id for fit in _rows(storage, asked) if fit.state in STATES[:3]), None)
 
 
@@ -150,46 +150,6 @@ def shown_cuts(storage: Storage, fit: StoredFit) -> Cuts:
     return ()
 
 
-def put_back(storage: Storage) -> int:
-    """Fits that have no end wait again, at their old places, because nobody is at work at them any more.
-
-    How many had started.
-    """
-    with storage.index.writing() as rows:
-        return questions.put_back(rows)
-
-
-def note_start(storage: Storage, fit_id: str) -> None:
-    """Marks the fit as running."""
-    with storage.index.writing() as rows:
-        questions.note_state(rows, fit_id, "running")
-
-
-def next_queued(storage: Storage, besides: set[str]) -> str | None:
-    """The oldest queued fit that is not among `besides`."""
-    found = storage.index.asked(lambda rows: questions.next_waiting(rows, besides))
-    return None if found is None else found[2]
-
-
-def queue_positions(storage: Storage, fit_ids: Sequence[str]) -> dict[str, int]:
-    """{fit: 1 for the next to run, 2 for the one after it}; those that do not wait are not in it."""
-    return storage.index.asked(lambda rows: questions.queue_positions(rows, fit_ids))
-
-
-def still_queued(storage: Storage, fit_ids: set[str]) -> set[str]:
-    """The fits that wait."""
-    return set(queue_positions(storage, list(fit_ids)))
-
-
-def count_by_state(storage: Storage) -> dict[str, int]:
-    """The number of fits in each state that any fit is in."""
-    return storage.index.asked(questions.count_by_state)
-
-
-def fits_in_state(storage: Storage, state: str) -> list[str]:
-    return storage.index.asked(lambda rows: questions.fits_in_state(rows, state))
-
-
 def fits_of_scan(storage: Storage, scan_id: str) -> list[str]:
     try:
         return fits.fit_ids(storage.case_of_scan(scan_id), scan_id)
@@ -202,7 +162,7 @@ def fits_page(
 ) -> tuple[list[StoredFit], int | None]:
     """Fits, or those of a scan, the newest first, and where the next page goes on (None: there is none)."""
     groups = storage.groups_in_reach()
-    ids, more = storage.index.asked(lambda rows: questions.fits_page(rows, limit, before, scan_id, groups))
+    ids, more = storage.index.asked(questions.fits_page, limit, before, scan_id, groups)
     return list(_rows(storage, ids)), more
 
 
@@ -211,7 +171,7 @@ def newest_done(storage: Storage, scan_id: str) -> StoredFit | None:
 
     The folders say so: the index hears of an end a moment later than those who follow the fit.
     """
-    found = storage.index.asked(lambda rows: questions.perhaps_done(rows, scan_id))
+    found = storage.index.asked(questions.perhaps_done, scan_id)
     return next((fit for fit in _rows(storage, found) if fit.state == "done"), None)
 
 

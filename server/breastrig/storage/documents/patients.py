@@ -99,7 +99,7 @@ def listed_page(
 ) -> tuple[list[ListedCase], tuple[str, int] | None]:
     """Patients in that order, and the key and number where the next page goes on; `search` is a part of a code."""
     groups = storage.groups_in_reach()
-    rows, more = storage.index.asked(lambda rows: questions.cases_page(rows, limit, last, search, sort, groups))
+    rows, more = storage.index.asked(questions.cases_page, limit, last, search, sort, groups)
     return _listed(storage, [row.id for row in rows]), more
 
 
@@ -120,7 +120,7 @@ def _listed(storage: Storage, ids: Sequence[str]) -> list[ListedCase]:
     """
     behind, groups = storage.index.catch_up(ids), storage.groups_in_reach()
     found = []
-    for row in storage.index.asked(lambda rows: questions.listed_cases(rows, ids)):
+    for row in storage.index.asked(questions.listed_cases, ids):
         if groups is not None and row.group not in groups:  # given to others a moment ago
             continue
         scans = row.scans

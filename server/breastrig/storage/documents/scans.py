@@ -75,7 +75,7 @@ def scans_page(
 ) -> tuple[list[StoredScan], tuple[str, str] | None]:
     """Scans after the `last` one's time and id, the newest first, and where the next page goes on (None: nowhere)."""
     groups = storage.groups_in_reach()
-    ids, more = storage.index.asked(lambda rows: questions.scans_page(rows, limit, last, groups))
+    ids, more = storage.index.asked(questions.scans_page, limit, last, groups)
     return get_scans(storage, ids)[::-1], more
 
 

@@ -74,7 +74,7 @@ def get_share(storage: Storage, fit_id: str, share_id: str) -> StoredShare:
 
 def share_of_token(storage: Storage, token_sha256: str) -> StoredShare | None:
     """The share that a link's secret opens, expired or revoked ones too."""
-    secret = storage.index.asked(lambda rows: questions.secret_of_token(rows, token_sha256))
+    secret = storage.index.asked(questions.secret_of_token, token_sha256)
     return None if secret is None else _share(storage, secret.link)
 
 
@@ -109,7 +109,7 @@ def revoke_share(storage: Storage, fit_id: str, share_id: str) -> None:
 
 def end_snapshots(storage: Storage, now: str) -> None:
     """Removes the contents of links that are over."""
-    for fit_id, share_id in storage.index.asked(lambda rows: questions.links_over(rows, now)):
+    for fit_id, share_id in storage.index.asked(questions.links_over, now):
         revoke_share(storage, fit_id, share_id)
 
 
@@ -149,7 +149,7 @@ def unlock_share(storage: Storage, fit_id: str, share_id: str) -> None:
 
 def share_of_visit(storage: Storage, share_id: str, visit_hmac: str, opened_after: str) -> StoredShare | None:
     """The share, if a visit of it that was started after a time (as `iso_utc`) has not been ended."""
-    if not storage.index.asked(lambda rows: questions.has_visit(rows, share_id, visit_hmac, opened_after)):
+    if not storage.index.asked(questions.has_visit, share_id, visit_hmac, opened_after):
         return None
     return _share(storage, share_id)
 
@@ -162,11 +162,11 @@ def end_visit(storage: Storage, share_id: str, visit_hmac: str) -> bool:
 
 def openings_of(storage: Storage, share_id: str, limit: int) -> list[str]:
     """The times at which the link was opened, newest first."""
-    return storage.index.asked(lambda rows: questions.openings_of(rows, share_id))[::-1][:limit]
+    return storage.index.asked(questions.openings_of, share_id)[::-1][:limit]
 
 
 def _share(storage: Storage, share_id: str) -> StoredShare | None:
-    where = storage.index.asked(lambda rows: questions.fit_of_link(rows, share_id))
+    where = storage.index.asked(questions.fit_of_link, share_id)
     try:
         return None if where is None else get_share(storage, where[2], share_id)
     except NotFound:
@@ -175,8 +175,8 @@ def _share(storage: Storage, share_id: str) -> StoredShare | None:
 
 def _row(storage: Storage, fit_id: str, share_id: str, document: LinkDocument) -> StoredShare:
     """The share's row; a link without its secret, which was lost with the index, shows nothing."""
-    secret = storage.index.asked(lambda rows: questions.secret_of_link(rows, share_id))
-    opened = storage.index.asked(lambda rows: questions.openings_of(rows, share_id))
+    secret = storage.index.asked(questions.secret_of_link, share_id)
+    opened = storage.index.asked(questions.openings_of, share_id)
     return StoredShare(
         id=share_id,
         fit=fit_id,
