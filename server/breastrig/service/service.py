@@ -172,13 +172,7 @@ class Service:
         fits = fits_of_scan(self.storage, scan_id)
         self._queue.drop(fits)
         left = delete_scan(self.storage, scan_id)
-        for fit_id in fits:
-            self.pool.drop(fit_id)
-        self.pool.drop(scan_id)
-        self.plans.forget()
-        self.line_checks.forget()
-        self.reports.forget()
-        self.visits.forget()
+        self._forget(scan_id, *fits)
         self._notifier.look_again()
         if left:
             _log_unremoved(left)
@@ -189,12 +183,14 @@ class Service:
         self.proposals.drop(scan_id)
         self.ink.drop(scan_id)
         put_length(self.storage, scan_id, length)
-        for each in (scan_id, *fits_of_scan(self.storage, scan_id)):
+        self._forget(scan_id, *fits_of_scan(self.storage, scan_id))
+
+    def _forget(self, *ids: str) -> None:
+        """Drops what processes hold of a scan and its fits, and all that was made of any."""
+        for each in ids:
             self.pool.drop(each)
-        self.plans.forget()
-        self.line_checks.forget()
-        self.reports.forget()
-        self.visits.forget()
+        for made in (self.plans, self.line_checks, self.reports, self.visits):
+            made.forget()
 
     def delete_patient(self, patient_id: str) -> None:
         """Removes all scans of the patient with all that was made of them.  No such patient is no error.
