@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
+from breastrig.least_squares.problem import ConstantTerm
 from breastrig.least_squares.quadratic_program import cholesky, solve_lower
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
@@ -19,7 +19,7 @@ from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class BodyPrior(StructuredTerm[BodyState]):
+class BodyPrior(ConstantTerm[BodyState]):
     rig: Rig
     mean: Array  # (N,) N = 3 B + S
     covariance: Array  # (N, N)
@@ -35,20 +35,11 @@ class BodyPrior(StructuredTerm[BodyState]):
         body = np.concatenate([state.x.scales.ravel(), state.x.weights])
         return np.asarray(self._whitening @ (body - self.mean))
 
-    @cached_property
-    def _slope(self) -> ConstantJacobian:
+    def slope(self) -> Array:
         """(N, P)"""
         bones, white = len(self.rig.bones), self._whitening
         jacobian = np.zeros((len(white), BONE_DOFS * bones + len(self.rig.shapes)))
         scales = jacobian[:, : BONE_DOFS * bones].reshape(len(white), bones, BONE_DOFS)[:, :, 6:9]
         scales[:] = white[:, : 3 * bones].reshape(len(white), bones, 3)
         jacobian[:, BONE_DOFS * bones :] = white[:, 3 * bones :]
-        return ConstantJacobian(jacobian)
-
-    def linearise(self, state: BodyState) -> Linearisation:
-        """(N,), (N, P)"""
-        return Linearisation(self.residual(state), self._slope.jacobian)
-
-    def normal_equations(self, state: BodyState) -> NormalEquations:
-        """JᵀJ, Jᵀr, ½ |r|²; JᵀJ is formed once."""
-        return self._slope.normal_equations(self.residual(state))
+        return jacobian

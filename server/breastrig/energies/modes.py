@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
+from breastrig.least_squares.problem import ConstantTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.modes import with_modes
 from breastrig.rig.parameters import BONE_DOFS
@@ -17,7 +17,7 @@ from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class Modes(StructuredTerm[BodyState]):
+class Modes(ConstantTerm[BodyState]):
     rig: Rig
     symmetry_sigma: float  # expected left-right difference, of one deviation
     name: str = "modes"
@@ -31,21 +31,12 @@ class Modes(StructuredTerm[BodyState]):
         eye = np.eye(len(shapes))
         return np.concatenate([eye, *((eye[[a]] - eye[[b]]) / self.symmetry_sigma for a, b in pairs)])
 
-    @cached_property
-    def _slope(self) -> ConstantJacobian:
+    def slope(self) -> Array:
         """(M, P)"""
         matrix = self._matrix
         others = np.zeros((len(matrix), BONE_DOFS * len(self.rig.bones) + len(self.rig.shapes)))
-        return ConstantJacobian(np.concatenate([others, matrix], axis=1))
+        return np.concatenate([others, matrix], axis=1)
 
     def residual(self, state: BodyState) -> Array:
         """(M,)"""
         return np.asarray(self._matrix @ state.x.modes)
-
-    def linearise(self, state: BodyState) -> Linearisation:
-        """(M,), (M, P)"""
-        return Linearisation(self.residual(state), self._slope.jacobian)
-
-    def normal_equations(self, state: BodyState) -> NormalEquations:
-        """JᵀJ, Jᵀr, ½ |r|²; JᵀJ is formed once."""
-        return self._slope.normal_equations(self.residual(state))

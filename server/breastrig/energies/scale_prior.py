@@ -11,14 +11,14 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
+from breastrig.least_squares.problem import ConstantTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class ScalePrior(StructuredTerm[BodyState]):
+class ScalePrior(ConstantTerm[BodyState]):
     rig: Rig
     sigma: float  # expected deviation of a scale from one
     neighbour_sigma: float  # expected difference between neighbours
@@ -42,18 +42,9 @@ class ScalePrior(StructuredTerm[BodyState]):
         """(M,)"""
         return np.asarray(np.einsum("mba,ba->m", self._matrix, state.x.scales - 1.0))
 
-    @cached_property
-    def _slope(self) -> ConstantJacobian:
+    def slope(self) -> Array:
         """(M, P)"""
         matrix, bones = self._matrix, len(self.rig.bones)
         jacobian = np.zeros((len(matrix), BONE_DOFS * bones + len(self.rig.shapes)))
         jacobian[:, : BONE_DOFS * bones].reshape(len(matrix), -1, BONE_DOFS)[:, :, 6:9] = matrix
-        return ConstantJacobian(jacobian)
-
-    def linearise(self, state: BodyState) -> Linearisation:
-        """(M,), (M, P)"""
-        return Linearisation(self.residual(state), self._slope.jacobian)
-
-    def normal_equations(self, state: BodyState) -> NormalEquations:
-        """JᵀJ, Jᵀr, ½ |r|²; JᵀJ is formed once."""
-        return self._slope.normal_equations(self.residual(state))
+        return jacobian

@@ -9,14 +9,14 @@ from functools import cached_property
 import numpy as np
 
 from breastrig.core.arrays import Array
-from breastrig.least_squares.problem import ConstantJacobian, Linearisation, NormalEquations, StructuredTerm
+from breastrig.least_squares.problem import ConstantTerm
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import BONE_DOFS
 from breastrig.rig.state import BodyState
 
 
 @dataclass(frozen=True, eq=False)
-class Symmetry(StructuredTerm[BodyState]):
+class Symmetry(ConstantTerm[BodyState]):
     rig: Rig
     shape_sigma: float  # expected left-right difference of a weight, in the shape's own sigmas
     scale_sigma: float  # expected left-right difference of a scale
@@ -38,8 +38,7 @@ class Symmetry(StructuredTerm[BodyState]):
         scales = [(state.x.scales[a] - state.x.scales[b]) / self.scale_sigma for a, b in bones]
         return np.concatenate([np.asarray(weights, dtype=np.float64), *scales])
 
-    @cached_property
-    def _slope(self) -> ConstantJacobian:
+    def slope(self) -> Array:
         """(M, P)"""
         shapes, bones = self._pairs
         first = BONE_DOFS * len(self.rig.bones)
@@ -52,12 +51,4 @@ class Symmetry(StructuredTerm[BodyState]):
                 row = len(shapes) + 3 * pair + axis
                 jacobian[row, BONE_DOFS * a + 6 + axis] = 1.0 / self.scale_sigma
                 jacobian[row, BONE_DOFS * b + 6 + axis] = -1.0 / self.scale_sigma
-        return ConstantJacobian(jacobian)
-
-    def linearise(self, state: BodyState) -> Linearisation:
-        """(M,), (M, P)"""
-        return Linearisation(self.residual(state), self._slope.jacobian)
-
-    def normal_equations(self, state: BodyState) -> NormalEquations:
-        """JᵀJ, Jᵀr, ½ |r|²; JᵀJ is formed once."""
-        return self._slope.normal_equations(self.residual(state))
+        return jacobian

@@ -7,6 +7,7 @@ residual like any other, with the root of the compliance as its sigma.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
@@ -33,20 +34,6 @@ class NormalEquations:
     energy: float  # ½ |r|²
 
 
-class ConstantJacobian:
-    """The Jacobian of a residual that is linear in the step: JᵀJ is formed once."""
-
-    def __init__(self, jacobian: Array) -> None:
-        """jacobian: (M, P)"""
-        self.jacobian = jacobian
-        self.jacobian.flags.writeable = False
-        self._hessian: Array = jacobian.T @ jacobian
-
-    def normal_equations(self, residual: Array) -> NormalEquations:
-        """residual: (M,)"""
-        return NormalEquations(self._hessian, residual @ self.jacobian, 0.5 * float(residual @ residual))
-
-
 class ResidualTerm(Protocol[X_contra]):
     """One source of residuals."""
 
@@ -66,6 +53,33 @@ class StructuredTerm(ABC, Generic[X_contra]):
     @abstractmethod
     def normal_equations(self, x: X_contra, /) -> NormalEquations:
         """JᵀJ, Jᵀr, ½ |r|², equal to those of `linearise`."""
+
+
+class ConstantTerm(StructuredTerm[X_contra]):
+    """Base class of residual terms that are linear in the step: JᵀJ is formed once."""
+
+    @abstractmethod
+    def residual(self, x: X_contra, /) -> Array:
+        """(M,)"""
+
+    @abstractmethod
+    def slope(self) -> Array:
+        """(M, P) the Jacobian, computed anew."""
+
+    @cached_property
+    def _constant(self) -> tuple[Array, Array]:
+        jacobian = self.slope()
+        jacobian.flags.writeable = False
+        return jacobian, jacobian.T @ jacobian
+
+    def linearise(self, x: X_contra, /) -> Linearisation:
+        """(M,), (M, P)"""
+        return Linearisation(self.residual(x), self._constant[0])
+
+    def normal_equations(self, x: X_contra, /) -> NormalEquations:
+        """JᵀJ, Jᵀr, ½ |r|²"""
+        (jacobian, hessian), residual = self._constant, self.residual(x)
+        return NormalEquations(hessian, residual @ jacobian, 0.5 * float(residual @ residual))
 
 
 def inlier_chance(r: Array, even: Array | float | None) -> Array:
