@@ -26,9 +26,9 @@ def queries(service: Service) -> Iterator[list[str]]:
 
     real = service.storage.index.asked
 
-    def listen(question: Callable[..., object]) -> object:
+    def listen(question: Callable[..., object], *given: object) -> object:
         asked.append(str(question))
-        return real(question)
+        return real(question, *given)
 
     service.storage.index.asked = listen
     try:

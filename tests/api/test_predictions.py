@@ -15,6 +15,8 @@ from helpers.waiting import ended
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
+from breastrig.cases.case_folder import CaseFolder
+from breastrig.cases.fits import find_fit
 from breastrig.execution.limits import FitLimits
 from breastrig.service import kept_models
 from breastrig.service.service import Service
@@ -37,6 +39,8 @@ class Real(NamedTuple):
     scan: dict[str, Any]
     fit: dict[str, Any]
     predicted: dict[str, Any]
+    asked: dict[str, Any]
+    """What was posted for the fit, with its key."""
 
     def predict(self, fit: str, stance: str) -> Any:
         return self.client.post(f"/api/fits/{fit}/predictions", json={"stance": stance})
@@ -52,7 +56,9 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
         client = create_app(Config(), service).test_client()
         scan = client.post("/api/examples/standing").json
         picked = scan["example_landmarks"]["landmarks"]
-        fit = client.post("/api/fits", json={"scan": scan["id"], "landmarks": picked, "drawing": "lumpectomy"}).json
+        document = {"scan": scan["id"], "landmarks": picked, "drawing": "lumpectomy"}
+        asked = {"json": document, "headers": {"Idempotency-Key": "once"}}
+        fit = client.post("/api/fits", **asked).json
         assert ended(service, fit["id"]).state == "done"
         nipple = np.array(picked["nipple_L"])
         items = [
@@ -65,7 +71,7 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Real]:
         assert answer.status_code == 202, answer.json
         row = ended(service, answer.json["id"])
         assert row.state == "done", row.reason
-        yield Real(service, client, scan, fit, answer.json)
+        yield Real(service, client, scan, fit, answer.json, asked)
 
 
 def test_a_prediction_is_a_fit_that_says_what_it_is_and_is_made_once(real: Real) -> None:
@@ -81,6 +87,13 @@ def test_a_prediction_is_a_fit_that_says_what_it_is_and_is_made_once(real: Real)
     assert (scan["stance"], scan["fit"]["id"]) == ("standing", real.fit["id"])  # who was scanned how
     with real.client.get(real.predicted["links"]["fitted_ply"]) as file:
         assert "supine-predicted" in file.headers["Content-Disposition"]
+
+
+def test_the_key_of_its_fit_stays_with_the_fit(real: Real) -> None:
+    assert real.client.post("/api/fits", **real.asked).json["id"] == real.fit["id"]
+    case = CaseFolder(real.service.storage.root / "cases" / real.scan["patient"])
+    assert find_fit(case, real.fit["id"]).document.key_sha256 is not None
+    assert find_fit(case, real.predicted["id"]).document.key_sha256 is None
 
 
 def test_the_plan_is_carried_onto_it_with_its_error(real: Real) -> None:

@@ -108,7 +108,7 @@ def test_many_who_follow_one_fit_ask_the_database_no_more_than_one(storage: Stor
     add_waiting_fit(storage, scan_id, named("fit"))
     asked: list[object] = []
     real = storage.index.asked
-    storage.index.asked = lambda question: (asked.append(question), real(question))[1]
+    storage.index.asked = lambda question, *given: (asked.append(question), real(question, *given))[1]
     notifier = Notifier(storage)
     streams = [follow(notifier, named("fit"), 0, 3600.0) for _ in range(20)]
     assert {next(stream)[0] for stream in streams} == {Queued(1)}

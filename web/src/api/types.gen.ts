@@ -1451,8 +1451,6 @@ export type ResultFile = {
   stance_asked?: boolean;
   /** computed from the scan of another stance, of whose fit the distances are; absent in fits */
   predicted?: boolean;
-  /** by finite elements of this patient's own breasts, as an earlier version predicted; else absent */
-  simulated?: boolean;
   preset: string;
   /** whether surface, drawing and distances are those of the free-form layer */
   refined: boolean;

@@ -4,7 +4,6 @@ import type { Fit } from "../../src/api/types";
 import { nextStep } from "../../src/app/nextStep";
 import type { FitState } from "../../src/fit/state";
 import { isPredicted, otherState, stanceNames, unscanned } from "../../src/stances/state";
-import { stances as words } from "../../src/stances/text";
 import { FakeEventSource, fitLinks, page } from "../fakes";
 
 const done = (id: string): FitState => ({
