@@ -9,23 +9,42 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
+from breastrig.core.arrays import Array
+from breastrig.core.srgb import Reals
+from breastrig.geometry.closest_point import ClosestPointSearch
 from breastrig.geometry.rotations import exp_so3
 from breastrig.gltf.read_rig import read_rig
-from breastrig.rendering.picture import Camera, Layer, Line, camera, render
+from breastrig.rendering.picture import Camera, Layer, Line, Paint, Scene, camera
 from breastrig.rig.model import Rig
 from breastrig.rig.parameters import RigParameters, rest_parameters
 from breastrig.rig.skinning import pose, shaped
 
 HERE = Path(__file__).resolve().parent
+EDGE = (0.25, 0.25, 0.3)
 SIZE = 260  # pixels of a tile
 THREE_VIEWS = ("front", "left", "three_quarter")
 
 
-def tile(rig: Rig, vertices: np.ndarray, view: str, **look: object) -> Image.Image:
+def edges(rig: Rig, vertices: np.ndarray) -> Paint:
+    """Draws the triangles' edges."""
+    search = ClosestPointSearch(vertices, rig.faces)
+
+    def paint(colours: Reals, places: Array, _normals: Reals, _pixels: Array, pixel: float) -> Reals:
+        on = search.query(places).on_mesh
+        a, b, c = np.moveaxis(vertices[rig.faces[on.faces]], 1, 0)
+        sides = np.stack([np.linalg.norm(side, axis=1) for side in (c - b, a - c, b - a)], axis=1)
+        heights = np.linalg.norm(np.cross(b - a, c - a), axis=1)[:, None] / sides
+        share = np.clip(1.0 - (on.barycentric * heights).min(axis=1) / pixel, 0.0, 0.8)[:, None]
+        return np.asarray(colours + share * (np.array(EDGE) - colours))
+
+    return paint
+
+
+def tile(rig: Rig, vertices: np.ndarray, view: str, paint: Paint | None = None) -> Image.Image:
     """One picture with the template's framing, so that tiles can be compared."""
     framed = camera(view, rig.template, margin=0.08)
     framed = Camera(framed.centre, framed.axes, 0.56)
-    return Image.fromarray(render([Layer(vertices, rig.faces, **look)], framed, (SIZE, SIZE)))
+    return Image.fromarray(Scene([Layer(vertices, rig.faces)]).render(framed, (SIZE, SIZE), paint=paint))
 
 
 def sheet(rows: list[tuple[str, list[Image.Image]]], path: Path) -> None:
@@ -98,11 +117,11 @@ def main() -> None:
     rig = read_rig(arguments.model)
     arguments.out.mkdir(parents=True, exist_ok=True)
     views = ("front", "three_quarter", "left", "back")
-    wire = {"wire": (0.25, 0.25, 0.3), "smooth": False}
+    wires = edges(rig, rig.template)
     sheet(
         [
             ("template", [tile(rig, rig.template, view) for view in views]),
-            ("triangles", [tile(rig, rig.template, view, **wire) for view in views]),
+            ("triangles", [tile(rig, rig.template, view, wires) for view in views]),
         ],
         arguments.out / "template.png",
     )
@@ -129,7 +148,7 @@ def main() -> None:
         images = []
         for view in views:
             framed = camera(view, rig.template)
-            images.append(Image.fromarray(render([Layer(rig.template, rig.faces)], framed, (480, 480), lines)))
+            images.append(Image.fromarray(Scene([Layer(rig.template, rig.faces)]).render(framed, (480, 480), lines)))
         sheet([(drawing.name, images)], arguments.out / f"drawing_{drawing.name}.png")
     print(f"Pictures stand in {arguments.out}.")
 

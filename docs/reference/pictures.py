@@ -17,7 +17,7 @@ from breastrig.core.stances import split_side
 from breastrig.drawings.clock import FittedSkin
 from breastrig.drawings.patterns import PATTERNS, pattern_of
 from breastrig.gltf.read_rig import default_rig_path, read_rig
-from breastrig.rendering.picture import Camera, Layer, Line, Picture, camera, render
+from breastrig.rendering.picture import Camera, Layer, Line, Picture, Scene, camera
 from breastrig.rig.model import DrawnShape, Rig
 
 FOLDER = Path(__file__).parents[1] / "pictures"
@@ -36,7 +36,7 @@ def all_landmarks(rig: Rig) -> Picture:
     view = camera("front", rig.template, margin=0.02)
     points = dict(zip(rig.landmark_names, rig.landmark_points().positions(rig.template, rig.faces), strict=True))
     size = (720, 720)
-    picture = render([Layer(rig.template, rig.faces)], view, size, [dot(at) for at in points.values()])
+    picture = Scene([Layer(rig.template, rig.faces)]).render(view, size, [dot(at) for at in points.values()])
     image = Image.fromarray(picture)
     pen = ImageDraw.Draw(image)
     pixel = view.height / size[1]
@@ -56,7 +56,7 @@ def one_landmark(rig: Rig, stem: str) -> Picture:
     name = next(name for name in rig.landmark_names if name in (stem, f"{stem}_L"))
     [at] = rig.landmark_points((name,)).positions(rig.template, rig.faces)
     front = Camera(at, camera("front", rig.template).axes, CLOSE)
-    image = Image.fromarray(render([Layer(rig.template, rig.faces)], front, SIZE))
+    image = Image.fromarray(Scene([Layer(rig.template, rig.faces)]).render(front, SIZE))
     pen = ImageDraw.Draw(image)
     for radius in (1.5, RING):
         pen.circle((SIZE[0] / 2, SIZE[1] / 2), radius, outline=tuple(round(255 * part) for part in INK), width=3)
@@ -80,7 +80,7 @@ def drawn(rig: Rig, shapes: tuple[DrawnShape, ...]) -> Picture:
     ]
     breasts = np.concatenate([rig.template[rig.regions[f"breast_{side}"]] for side in "LR"])
     view = camera("front", breasts, aspect=1.5, margin=0.12)
-    return render([Layer(rig.template, rig.faces)], view, (480, 320), lines)
+    return Scene([Layer(rig.template, rig.faces)]).render(view, (480, 320), lines)
 
 
 def patterns(rig: Rig) -> Mapping[str, Picture]:

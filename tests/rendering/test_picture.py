@@ -11,9 +11,9 @@ from breastrig.rendering.picture import (
     VIEWS,
     Layer,
     Line,
+    Scene,
     camera,
     diverging_colours,
-    render,
 )
 
 pytestmark = pytest.mark.skipif(not HAVE_EMBREE, reason="embreex has no wheel for this platform")
@@ -44,7 +44,7 @@ def test_named_views_show_the_body_from_where_they_say(
 ) -> None:
     left, head = box((0.2, 0, 0.05)), box((0, 0.2, 0.05))
     shown = camera(view, np.array([[-0.3, -0.3, -0.3], [0.3, 0.3, 0.3]]))
-    picture = render([Layer(*left, RED), Layer(*head, BLUE)], shown, SMALL)
+    picture = Scene([Layer(*left, RED), Layer(*head, BLUE)]).render(shown, SMALL)
     if left_of_body_is:
         assert (mean_place(picture, 0)[0] > 32) == (left_of_body_is == "right")
     if head_is:
@@ -55,16 +55,16 @@ def test_a_turned_body_looks_the_same_in_its_own_frame() -> None:
     vertices, faces = box((0.1, 0.02, 0.0))
     turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
-    straight = render([Layer(vertices, faces)], camera("three_quarter", vertices), SMALL)
+    straight = Scene([Layer(vertices, faces)]).render(camera("three_quarter", vertices), SMALL)
     turned = vertices @ turn.T
-    again = render([Layer(turned, faces)], camera("three_quarter", turned, frame=turn), SMALL)
+    again = Scene([Layer(turned, faces)]).render(camera("three_quarter", turned, frame=turn), SMALL)
     assert np.abs(straight.astype(int) - again).mean() < 0.5
 
 
 @pytest.mark.parametrize("view", list(VIEWS))
 def test_the_body_fills_the_picture_and_touches_no_edge(view: str) -> None:
     vertices, faces = box((0.3, -2.0, 1.0), 0.1)
-    picture = render([Layer(vertices, faces, RED)], camera(view, vertices, aspect=1.5), (96, 64), background=None)
+    picture = Scene([Layer(vertices, faces, RED)]).render(camera(view, vertices, aspect=1.5), (96, 64), background=None)
     covered = picture[..., 3] > 0
     assert not covered[0].any()
     assert not covered[:, 0].any()
@@ -72,7 +72,7 @@ def test_the_body_fills_the_picture_and_touches_no_edge(view: str) -> None:
 
 
 def test_nothing_to_show_is_the_background() -> None:
-    picture = render([], camera("front", np.zeros((1, 3))), SMALL, background=BLUE)
+    picture = Scene([]).render(camera("front", np.zeros((1, 3))), SMALL, background=BLUE)
     assert picture.shape == (64, 64, 3)
     assert (picture == [26, 26, 230]).all()
 
@@ -82,23 +82,23 @@ def test_a_line_behind_the_body_is_hidden_and_one_before_it_shown() -> None:
     shown = camera("front", vertices)
     across = np.array([[-0.08, 0.0, 0.0], [0.08, 0.0, 0.0]])
     forward = np.array([0.0, 0.0, 0.11])
-    before = render([Layer(vertices, faces)], shown, SMALL, [Line(across + forward, GREEN, 3.0)])
-    behind = render([Layer(vertices, faces)], shown, SMALL, [Line(across - forward, GREEN, 3.0)])
+    before = Scene([Layer(vertices, faces)]).render(shown, SMALL, [Line(across + forward, GREEN, 3.0)])
+    behind = Scene([Layer(vertices, faces)]).render(shown, SMALL, [Line(across - forward, GREEN, 3.0)])
     assert np.abs(mean_place(before, 1) - 31.5).max() < 1.5
-    assert (behind == render([Layer(vertices, faces)], shown, SMALL)).all()
+    assert (behind == Scene([Layer(vertices, faces)]).render(shown, SMALL)).all()
 
 
 def test_the_light_comes_from_the_upper_left() -> None:
     solid = trimesh.creation.icosphere(3, 0.1)
     vertices, faces = np.array(solid.vertices), np.array(solid.faces)
-    picture = render([Layer(vertices, faces)], camera("front", vertices), SMALL).astype(int)
+    picture = Scene([Layer(vertices, faces)]).render(camera("front", vertices), SMALL).astype(int)
     assert picture[20, 20, 0] > picture[44, 44, 0] + 25
 
 
 def test_the_inside_of_an_open_surface_is_distinguished_from_the_outside() -> None:
     sheet = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
-    outside = render([Layer(sheet, np.array([[0, 1, 2]]), RED)], camera("front", sheet), SMALL)
-    inside = render([Layer(sheet, np.array([[0, 2, 1]]), RED)], camera("front", sheet), SMALL)
+    outside = Scene([Layer(sheet, np.array([[0, 1, 2]]), RED)]).render(camera("front", sheet), SMALL)
+    inside = Scene([Layer(sheet, np.array([[0, 2, 1]]), RED)]).render(camera("front", sheet), SMALL)
     assert outside[50, 10, 0] > outside[50, 10, 2] + 100
     assert abs(int(inside[50, 10, 0]) - int(inside[50, 10, 2])) < 40
 

@@ -1,13 +1,12 @@
 """The settings of a service. Every caller needs a token; one is made at each start where none is given."""
 
-import ipaddress
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from breastrig.api.people.people import People
-from breastrig.api.trusted_proxy import TrustedProxy, plain_address
+from breastrig.api.trusted_proxy import TrustedProxy, address_of
 from breastrig.archive.nodes import Node
 from breastrig.core.errors import BadSettings
 from breastrig.execution.limits import UploadLimits
@@ -49,12 +48,8 @@ class Config:
 
 def is_loopback(host: str) -> bool:
     """Whether only programs on this machine can reach that address."""
-    if host.lower() == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(plain_address(host)).is_loopback
-    except ValueError:
-        return False
+    parsed = address_of(host)
+    return host.lower() == "localhost" or (parsed is not None and parsed.is_loopback)
 
 
 def is_exposed(host: str, proxy: TrustedProxy | None) -> bool:

@@ -29,10 +29,8 @@ class TrustedProxy:
 
     def is_at(self, address: str) -> bool:
         """Whether a connection from that address is the proxy's."""
-        try:
-            return ipaddress.ip_address(plain_address(address)) in self.network
-        except ValueError:
-            return False
+        parsed = address_of(address)
+        return parsed is not None and parsed in self.network
 
 
 def read_trusted_proxy(text: str) -> TrustedProxy:
@@ -49,21 +47,19 @@ def read_trusted_proxy(text: str) -> TrustedProxy:
     return TrustedProxy(network, int(hops or 1))
 
 
-def plain_address(address: str) -> str:
-    """An IPv4 address that came through an IPv6 socket as what it is."""
+def address_of(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """An IPv4 address that came through an IPv6 socket as what it is; None for what is no address."""
     try:
-        parsed = ipaddress.ip_address(address)
+        parsed = ipaddress.ip_address(text)
     except ValueError:
-        return address
-    mapped = getattr(parsed, "ipv4_mapped", None)
-    return str(mapped or parsed)
+        return None
+    return getattr(parsed, "ipv4_mapped", None) or parsed
 
 
 def client_of(address: str | None) -> str:
     """The key of one client: an address, or the 64-bit network of an IPv6 one, for a house has that many."""
-    try:
-        parsed = ipaddress.ip_address(plain_address(address or ""))
-    except ValueError:
+    parsed = address_of(address or "")
+    if parsed is None:
         return "unknown"
     if parsed.version == 6 and not parsed.is_loopback:
         return str(ipaddress.ip_network((parsed, 64), strict=False))
@@ -80,11 +76,11 @@ class BehindProxy:
         self._fix = ProxyFix(lambda _environ, _start: [], x_for=hops, x_proto=hops, x_host=hops)
 
     def __call__(self, environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
-        environ["REMOTE_ADDR"] = plain_address(environ.get("REMOTE_ADDR", ""))
-        if self._proxy is not None and FORWARDED not in environ and self._proxy.is_at(environ["REMOTE_ADDR"]):
+        asks = environ.get("REMOTE_ADDR", "")
+        if self._proxy is not None and FORWARDED not in environ and self._proxy.is_at(asks):
             environ[FORWARDED] = "HTTP_X_FORWARDED_FOR" in environ
             self._fix(environ, start_response)  # which the app within does not call
-            environ["REMOTE_ADDR"] = plain_address(environ["REMOTE_ADDR"])
+        environ["REMOTE_ADDR"] = str(address_of(environ.get("REMOTE_ADDR", "")) or environ.get("REMOTE_ADDR", ""))
         for name in [name for name in environ if name.startswith("HTTP_X_FORWARDED_") or name in DROPPED]:
             del environ[name]
         return self._app(environ, start_response)

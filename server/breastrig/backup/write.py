@@ -12,12 +12,11 @@ import json
 import os
 import tarfile
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 from breastrig.audit.log import END, FOLDER, AuditLog, Entry, log_files
 from breastrig.backup.age import SealedWriter
-from breastrig.backup.restore import MANIFEST, SCHEMA, restore
+from breastrig.backup.restore import MANIFEST, SCHEMA, Restored, restore
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder, coming, utc_now
 from breastrig.cases.removal import finish
@@ -32,18 +31,8 @@ READ = 2**20
 RESTLESS = "Cases are written faster than they can be copied; make the backup at a quieter time."
 
 
-@dataclass(frozen=True)
-class BackedUp:
-    """What a backup holds."""
-
-    file: Path
-    cases: int
-    files: int
-    size: int
-
-
-def back_up(data: Path, target: Path, passphrase: str, who: str) -> BackedUp:
-    """Makes the backup and restores it for a trial before it gets its name.
+def back_up(data: Path, target: Path, passphrase: str, who: str) -> Restored:
+    """Makes the backup and restores it for a trial before it gets its name; what the trial has found.
 
     Raises BadInput, Conflict while cases do not rest, OSError.
     """
@@ -69,7 +58,7 @@ def back_up(data: Path, target: Path, passphrase: str, who: str) -> BackedUp:
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
-    return BackedUp(target, found.cases, found.files, target.stat().st_size)
+    return found
 
 
 class _Packed:

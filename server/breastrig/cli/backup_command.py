@@ -31,5 +31,6 @@ def run(options: argparse.Namespace) -> int:
         raise BadInput(
             f"The backup cannot be written ({error.strerror or error}); free space and begin again."
         ) from error
-    print(f"{made.cases} cases, {made.files} files, {made.size / 1e6:.1f} MB in {made.file}; restored for a trial")
+    size = f"{target.stat().st_size / 1e6:.1f} MB"
+    print(f"{made.cases} cases, {made.files} files, {size} in {target}; restored for a trial")
     return 0

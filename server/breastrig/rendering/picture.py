@@ -103,17 +103,6 @@ def camera(view: str, points: Array, frame: Array | None = None, aspect: float =
     return Camera(0.5 * (low + high) @ axes, axes, float(height))
 
 
-def render(
-    layers: Sequence[Layer],
-    view: Camera,
-    size: tuple[int, int] = (640, 640),
-    lines: Sequence[Line] = (),
-    background: Colour | None = WHITE,
-) -> Picture:
-    """(H, W, 3) picture of `size` (width, height) pixels; (H, W, 4) with alpha when `background` is None."""
-    return Scene(layers).render(view, size, lines, background)
-
-
 class Scene:
     """Meshes made ready for several pictures; `rays` of them all, where there are some already."""
 
@@ -141,7 +130,7 @@ class Scene:
         background: Colour | None = WHITE,
         paint: Paint | None = None,
     ) -> Picture:
-        """(H, W, 3) picture of `size` pixels, or (H, W, 4); see the function `render`.
+        """(H, W, 3) picture of `size` (width, height) pixels; (H, W, 4) with alpha when `background` is None.
 
         `paint` colours the meshes' outside, pixel by pixel, before light falls on it.
         """

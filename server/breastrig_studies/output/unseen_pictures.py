@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from PIL import Image
 
-from breastrig.rendering.picture import Layer, camera, render
+from breastrig.rendering.picture import Layer, Scene, camera
 from breastrig.rig.model import Rig
 from breastrig.rig.similarity import umeyama
 from breastrig_studies.output.pictures import PAPER, SCAN_GREY, chosen
@@ -34,7 +34,7 @@ def unseen_pictures(records: Sequence[Record], rig: Rig, preset: str) -> dict[st
                 layers = Layer(target.vertices, target.faces, SCAN_GREY), Layer(vertices, rig.faces)
                 for x, (layer, view) in enumerate((layer, view) for view in ("front", "left") for layer in layers):
                     framed = camera(view, whole.vertices, frame=axes, aspect=SIZE[0] / SIZE[1], margin=0.05)
-                    picture = render([layer], framed, SIZE, background=PAPER)
+                    picture = Scene([layer]).render(framed, SIZE, background=PAPER)
                     sheet.paste(Image.fromarray(picture), (x * SIZE[0], y * SIZE[1]))
             stream = io.BytesIO()
             sheet.save(stream, "PNG", optimize=True)

@@ -8,7 +8,7 @@ import numpy as np
 from breastrig.core.arrays import Array
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from breastrig.languages.catalogue import ENGLISH
-from breastrig.rendering.picture import Layer, camera, render
+from breastrig.rendering.picture import Layer, Scene, camera
 from breastrig.report.pages.typeset import typeset
 from breastrig.report.pictures import SCAN_GREY, jpeg
 from breastrig.rig.model import Rig
@@ -42,7 +42,7 @@ def protocol_pdf(language: str = ENGLISH) -> bytes:
 def _content(rig: Rig) -> dict[str, Any]:
     """All data of the template; places of dots are shares of the picture from its left upper corner."""
     view = camera("front", rig.template, margin=0.02)
-    picture = render([Layer(rig.template, rig.faces, SCAN_GREY)], view, (PIXELS, PIXELS))
+    picture = Scene([Layer(rig.template, rig.faces, SCAN_GREY)]).render(view, (PIXELS, PIXELS))
     count, marks = len(DOTS), []
     for number, at in enumerate(dots(rig), start=1):
         right, up, _ = view.axes @ (at - view.centre) / view.height
