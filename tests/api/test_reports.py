@@ -225,7 +225,7 @@ def test_a_guide_is_of_one_side_and_its_name_says_how_far_the_notch_is(
     service, client, _, fits = real
     assert pickle.loads(pickle.dumps(reports.MAKERS["guide_R.stl"])).keywords == {"side": "R"}
     made = b"Patient's right. Arrow's tip to notch: 154 mm along the skin.".ljust(134)
-    monkeypatch.setattr(service.reports, "_remembered_or_made", lambda name, *_: {"guide_R.stl": made}[name])
+    monkeypatch.setattr(service.reports, "made", lambda name, *_: {"guide_R.stl": made}[name])
     place = f"/api/fits/{fits['supine']}/guide.stl"
     answer = client.get(f"{place}?side=R")
     assert (answer.status_code, answer.mimetype, answer.headers["Cache-Control"]) == (200, "model/stl", "no-store")

@@ -14,6 +14,7 @@ What libigl 2.6 does that a caller would not expect, and what is done about it h
 * it checks neither indices nor coordinates: both are checked first.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import igl
@@ -91,12 +92,7 @@ class ClosestPointSearch:
     def __init__(self, vertices: Array, triangles: Integers) -> None:
         self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
         self.triangles = np.ascontiguousarray(triangles, dtype=np.int64)
-        if self.vertices.ndim != 2 or self.vertices.shape[1] != 3 or not _near(self.vertices).all():
-            raise ValueError("Vertices must be finite and of shape (V, 3).")
-        if self.triangles.ndim != 2 or self.triangles.shape[1] != 3:
-            raise ValueError("Triangles must be of shape (F, 3).")
-        if len(self.triangles) and not 0 <= self.triangles.min() <= self.triangles.max() < len(self.vertices):
-            raise ValueError("A triangle names a vertex that is not there.")
+        check_mesh(self.vertices, self.triangles)
         self._elements = _without_flat(self.vertices, self.triangles)
         self._tree = igl.AABB()
         if len(self.triangles):
@@ -114,10 +110,7 @@ class ClosestPointSearch:
             points.copy(),
             np.full(len(points), np.inf),
         )
-        asked = np.flatnonzero(_near(points)) if len(self.triangles) else np.zeros(0, dtype=np.int64)
-        for first in range(0, len(asked), PORTION):
-            rows = asked[first : first + PORTION]
-            square, faces, _ = self._tree.squared_distance(self.vertices, self._elements, points[rows])
+        for rows, faces, square in self._found(points):
             near = square <= reach * reach
             rows, faces = rows[near], faces[near]
             corners = self.vertices[self.triangles[faces]]
@@ -131,12 +124,27 @@ class ClosestPointSearch:
         """((M,) triangle, (M,) m) as `query`, in half of its time: without the place on the triangle."""
         points = np.ascontiguousarray(points, dtype=np.float64)
         faces, distances = np.full(len(points), -1, dtype=np.int64), np.full(len(points), np.inf)
+        for rows, found, square in self._found(points):
+            faces[rows], distances[rows] = found, np.sqrt(square)
+        return faces, distances
+
+    def _found(self, points: Array) -> Iterator[tuple[Integers, Integers, Array]]:
+        """Portions of the points that can be asked for: their numbers, triangles, and squared distances (m²)."""
         asked = np.flatnonzero(_near(points)) if len(self.triangles) else np.zeros(0, dtype=np.int64)
         for first in range(0, len(asked), PORTION):
             rows = asked[first : first + PORTION]
-            square, faces[rows], _ = self._tree.squared_distance(self.vertices, self._elements, points[rows])
-            distances[rows] = np.sqrt(square)
-        return faces, distances
+            square, faces, _ = self._tree.squared_distance(self.vertices, self._elements, points[rows])
+            yield rows, faces, square
+
+
+def check_mesh(vertices: Array, triangles: Integers) -> None:
+    """Raises ValueError where arrays are no finite (V, 3) vertices and (F, 3) triangles of them."""
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or not _near(vertices).all():
+        raise ValueError("Vertices must be finite and of shape (V, 3).")
+    if triangles.ndim != 2 or triangles.shape[1] != 3:
+        raise ValueError("Triangles must be of shape (F, 3).")
+    if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(vertices):
+        raise ValueError("A triangle names a vertex that is not there.")
 
 
 def _near(points: Array) -> Booleans:

@@ -20,6 +20,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array, Integers
 from breastrig.core.errors import BreastRigError
+from breastrig.geometry.closest_point import check_mesh
 
 try:
     from embreex.mesh_construction import TriangleMesh
@@ -55,12 +56,7 @@ class RayCaster:
         if not HAVE_EMBREE:
             raise NoRays("Rays need the package embreex, which is not installed here; install embreex.")
         vertices, faces = np.asarray(vertices, dtype=np.float64), np.asarray(faces)
-        if vertices.ndim != 2 or vertices.shape[1] != 3 or not np.isfinite(vertices).all():
-            raise ValueError("Vertices must be finite and of shape (V, 3).")
-        if faces.ndim != 2 or faces.shape[1] != 3:
-            raise ValueError("Triangles must be of shape (F, 3).")
-        if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
-            raise ValueError("A triangle names a vertex that is not there.")
+        check_mesh(vertices, faces)
         self._centre = vertices.mean(axis=0) if len(vertices) else np.zeros(3)
         self._scene = None
         if len(faces):

@@ -65,44 +65,29 @@ class Reports:
         self._models = models
         self._remembered: Remembered[bytes] = Remembered(REMEMBERED)
 
-    def pdf(self, fit_id: str, other_id: str | None, language: str = ENGLISH) -> bytes:
-        """The pages of a fit that is done, or of it and another one.
+    def made(self, name: str, fit_id: str, other_id: str | None = None, language: str = ENGLISH) -> bytes:
+        """One of `MAKERS` of a fit that is done; report and measures also of it and another one.
 
-        Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile.
+        Raises a BreastRigError with a sentence, NotFound when a fit was deleted meanwhile; BadInput for a model whose
+        inside is not known (volume), and for a plan whose lines cannot be laid flat (template, guides).
         """
-        return self._remembered_or_made("report.pdf", fit_id, other_id, language)
+        ids = [one for one in (fit_id, other_id) if one is not None]
+        cuts = tuple(shown_cuts(self._storage, get_fit(self._storage, one)) for one in ids)
+        shown = [self._key(name, one, cut) for one, cut in zip(ids, cuts, strict=True)]
+        key = (name, language, *shown, self._is_said(ids))
+        return self._remembered.result(key, lambda: self._made(name, ids, cuts, language))
 
     def page(self, number: int, fit_id: str, other_id: str | None, language: str = ENGLISH) -> tuple[bytes, int]:
-        """One of the pages of `pdf` as PNG, counted from 1, and how many there are; NotFound past the last one."""
-        made = self._remembered_or_made("pages.zip", fit_id, other_id, language)
+        """One of the pages of report.pdf as PNG, counted from 1, and how many there are; NotFound past the last one."""
+        made = self.made("pages.zip", fit_id, other_id, language)
         with zipfile.ZipFile(io.BytesIO(made)) as pages:
             count = len(pages.namelist())
             if number > count:
                 raise NotFound(f"This report has {count} pages.")
             return pages.read(f"{number}.png"), count
 
-    def measures(self, fit_id: str, other_id: str | None) -> bytes:
-        """The report's numbers as JSON, the document breastrig/report@1. Raises as `pdf`."""
-        return self._remembered_or_made("measures.json", fit_id, other_id)
-
-    def volume(self, fit_id: str) -> bytes:
-        """Tetrahedra of the fitted body, VTU.  Raises likewise, and BadInput for a model whose inside is not known."""
-        return self._remembered_or_made("volume.vtu", fit_id, None)
-
-    def template(self, fit_id: str, language: str = ENGLISH) -> bytes:
-        """The plan's lines in true size, PDF.  Raises likewise, and BadInput where they cannot be laid flat."""
-        return self._remembered_or_made("template.pdf", fit_id, None, language)
-
-    def guide(self, fit_id: str, side: str) -> bytes:
-        """The guide of one side ("L" or "R"), STL; raises likewise."""
-        return self._remembered_or_made(f"guide_{side}.stl", fit_id, None)
-
-    def dicom(self, fit_id: str) -> bytes:
-        """The fit as DICOM objects that carry the patient's code, a zip; raises likewise."""
-        return self._remembered_or_made("dicom.zip", fit_id, None)
-
     def dicom_for(self, fit_id: str, identities: Path) -> bytes:
-        """The same with the patient of the hospital's file; it is not remembered."""
+        """dicom.zip with the patient of the hospital's file; it is not remembered."""
         cuts = (shown_cuts(self._storage, get_fit(self._storage, fit_id)),)
         return self._made("dicom.zip", [fit_id], cuts, ENGLISH, partial(dicom_zip_of, identities=identities))
 
@@ -126,13 +111,6 @@ class Reports:
     def forget(self) -> None:
         """Clears the cache after a deletion."""
         self._remembered.forget()
-
-    def _remembered_or_made(self, name: str, fit_id: str, other_id: str | None, language: str = ENGLISH) -> bytes:
-        ids = [one for one in (fit_id, other_id) if one is not None]
-        cuts = tuple(shown_cuts(self._storage, get_fit(self._storage, one)) for one in ids)
-        shown = [self._key(name, one, cut) for one, cut in zip(ids, cuts, strict=True)]
-        key = (name, language, *shown, self._is_said(ids))
-        return self._remembered.result(key, lambda: self._made(name, ids, cuts, language))
 
     def _is_said(self, ids: list[str]) -> bool:
         """Whether a person has stated that both scans are of one patient, whatever their bodies' measures."""

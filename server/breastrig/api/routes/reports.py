@@ -61,7 +61,7 @@ def show_report(fit_id: str, query_data: ReportQuery) -> Response:
     With `with` both stances of one patient and the changes between them.
     """
     scans = _scans_of_done(fit_id, query_data.with_)
-    content = service.reports.pdf(fit_id, query_data.with_, query_data.chosen)
+    content = service.reports.made("report.pdf", fit_id, query_data.with_, query_data.chosen)
     return _file(scans, content, PDF, "report.pdf", fit_id, query_data.with_)
 
 
@@ -96,7 +96,9 @@ def show_template(fit_id: str, query_data: PagesQuery) -> Response:
     422 says why lines cannot be laid flat.
     """
     scans = _scans_of_done(fit_id)
-    return _file(scans, service.reports.template(fit_id, query_data.chosen), PDF, "template.pdf", fit_id)
+    return _file(
+        scans, service.reports.made("template.pdf", fit_id, None, query_data.chosen), PDF, "template.pdf", fit_id
+    )
 
 
 class GuideQuery(BaseModel):
@@ -116,7 +118,7 @@ def show_guide(fit_id: str, query_data: GuideQuery) -> Response:
     A shell of 2 mm on the skin of the scan's position, with slots along the planned lines, a hole for the nipple and an
     arrow to the notch; header and file name say how far its tip is from there.
     """
-    scans, content = _scans_of_done(fit_id), service.reports.guide(fit_id, query_data.side)
+    scans, content = _scans_of_done(fit_id), service.reports.made(f"guide_{query_data.side}.stl", fit_id)
     far = re.findall(r"(\d+) mm", guide_said(content))[0]
     return _file(scans, content, STL, f"guide-{SIDES[query_data.side]}-notch-{far}mm.stl", fit_id)
 
@@ -131,7 +133,7 @@ def show_dicom(fit_id: str) -> Response:
 
     Encapsulated PDF and STL, and a TID 1500 measurement report, with the patient's code as PatientID.
     """
-    return _file(_scans_of_done(fit_id), service.reports.dicom(fit_id), ZIP, "dicom.zip", fit_id)
+    return _file(_scans_of_done(fit_id), service.reports.made("dicom.zip", fit_id), ZIP, "dicom.zip", fit_id)
 
 
 class ToArchive(BaseModel):
@@ -164,8 +166,10 @@ def send_to_archive(fit_id: str, json_data: ToArchive) -> Archived:
     node = config.archives.get(json_data.archive)
     if node is None:
         raise BadSettings("This service sends to no archive of that name; its administrator names them.")
-    made = service.reports
-    content = made.dicom(fit_id) if node.identities is None else made.dicom_for(fit_id, node.identities)
+    if node.identities is None:
+        content = service.reports.made("dicom.zip", fit_id)
+    else:
+        content = service.reports.dicom_for(fit_id, node.identities)
     return Archived(notes=list(send_zip(content, node)))
 
 
@@ -180,7 +184,7 @@ def show_measures(fit_id: str, query_data: ReportQuery) -> Response:
     and the changes between them.
     """
     _scans_of_done(fit_id, query_data.with_)
-    return bytes_answer(service.reports.measures(fit_id, query_data.with_), JSON, PERSONAL)
+    return bytes_answer(service.reports.made("measures.json", fit_id, query_data.with_), JSON, PERSONAL)
 
 
 @reports.get("/<fit_id>/measures.csv")
@@ -192,7 +196,7 @@ def show_measures_table(fit_id: str, query_data: ReportQuery) -> Response:
     The columns of `breastrig report`'s measures.csv, every digit; each row has the verdict of its fit.
     """
     scans = _scans_of_done(fit_id, query_data.with_)
-    found = json.loads(service.reports.measures(fit_id, query_data.with_))
+    found = json.loads(service.reports.made("measures.json", fit_id, query_data.with_))
     verdicts = {one["name"]: (one.get("verdict") or {}).get("level", "") for one in found["stances"]}
     return _file(scans, csv_bytes(found["measures"], verdicts), CSV, "measures.csv", fit_id, query_data.with_)
 
@@ -208,7 +212,7 @@ def show_volume(fit_id: str) -> Response:
     Tetrahedra for finite elements, in the scan's unit and frame: regions skin, breast_L, breast_R, chest_wall, trunk;
     of each node the model's vertex, and whether it is fixed or slides.
     """
-    return _file(_scans_of_done(fit_id), service.reports.volume(fit_id), VTU, "volume.vtu", fit_id)
+    return _file(_scans_of_done(fit_id), service.reports.made("volume.vtu", fit_id), VTU, "volume.vtu", fit_id)
 
 
 def _scans_of_done(fit_id: str, other: str | None = None) -> list[str]:

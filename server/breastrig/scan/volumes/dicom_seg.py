@@ -102,9 +102,7 @@ def segmentation_volume(dataset: Any) -> Volume:
     affine[:3, :3] = np.column_stack([frames.across, frames.down, step])
     affine[:3, 3] = np.median(frames.places - slices[:, None] * step, axis=0)
     check_affine(affine)
-    described = {
-        int(each.SegmentNumber): each for each in dataset.get("SegmentSequence", []) if "SegmentNumber" in each
-    }
+    described = _descriptions(dataset)
     held = _held(frames, slices)
     segments, notes = [], list[str]()
     for number, where in sorted(held.items()):

@@ -143,10 +143,7 @@ class Fit:
 
         Above zero where the model lies outside the scan's skin; nan where the scan shows nothing.
         """
-        found = np.frombuffer(self.files["distances.bin"], dtype="<f4").astype(np.float64)
-        if len(found) != len(self.vertices):
-            raise BadInput("distances.bin does not belong to this fit; fit the scan again.")
-        return np.asarray(frozen(1e-3 * found / self.metres_per_unit))
+        return self._of_vertices("distances.bin")
 
     @cached_property
     def uncertainty(self) -> Array:
@@ -154,9 +151,13 @@ class Fit:
 
         All nan where nobody has calibrated the model, which `result["not_calibrated"]` says.
         """
-        found = np.frombuffer(self.files[UNCERTAINTY], dtype="<f4").astype(np.float64)
+        return self._of_vertices(UNCERTAINTY)
+
+    def _of_vertices(self, name: str) -> Array:
+        """(V,) in the scan's unit, from a file of millimetres."""
+        found = np.frombuffer(self.files[name], dtype="<f4").astype(np.float64)
         if len(found) != len(self.vertices):
-            raise BadInput(f"{UNCERTAINTY} does not belong to this fit; fit the scan again.")
+            raise BadInput(f"{name} does not belong to this fit; fit the scan again.")
         return np.asarray(frozen(1e-3 * found / self.metres_per_unit))
 
     @property
