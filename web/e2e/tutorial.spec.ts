@@ -1,17 +1,31 @@
-// The surgeon's tutorial can be followed as it is written, with the examples that ship, and says what the page shows.
+// The surgeon's tutorial can be followed as it is written, with the examples that ship, and says what the page shows; what it
+// ends with goes to a hospital's archive.
+import { spawn } from "node:child_process";
+import { existsSync, mkdtempSync, readdirSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import { expect } from "@playwright/test";
 import type { Patient } from "../src/api/types";
 import { test } from "./page";
-import { type Running, startService } from "./service";
+import { findPython, helper, type Running, startService } from "./service";
 import { followTutorial, SHIPPED, STEPS } from "./tutorialSteps";
 
 test.use({ fitsAtOnce: true });
 let service: Running | undefined;
-test.afterAll(() => service?.stop()); // whatever has failed
+const folder = mkdtempSync(join(tmpdir(), "breastrig-e2e-"));
+const archives = join(folder, "archives.toml");
+const { path: program, env } = helper("serve_archive.py");
+const archive = spawn(findPython(), [program, folder], { env, stdio: "ignore" });
+test.afterAll(async () => { // whatever has failed
+  await service?.stop();
+  archive.kill();
+  rmSync(folder, { recursive: true, force: true });
+});
 
 test("the surgeon's tutorial, step by step", async ({ page }, info) => {
   test.slow(); // three fits of the scans as they ship
-  const { base } = (service = await startService(SHIPPED));
+  await expect.poll(() => existsSync(archives)).toBe(true);
+  const { base } = (service = await startService({ ...SHIPPED, BREASTRIG_ARCHIVES: archives }));
   let isLate = true; // the image's fit is still under way when the page first hears of it, as on a busy machine
   await page.route(/\/api\/patients\/[^/?]+$/, async (route) => {
     const response = await route.fetch();
@@ -41,4 +55,10 @@ test("the surgeon's tutorial, step by step", async ({ page }, info) => {
     await page.screenshot({ path: info.outputPath(`${step}.png`) });
   });
   expect(taken).toEqual(STEPS);
+
+  await page.getByRole("button", { name: "To the archive Archive" }).click();
+  await expect(page.getByText("Archive has stored it.")).toBeVisible();
+  expect(readdirSync(join(folder, "files"), { recursive: true, withFileTypes: true }).filter((each) => each.isFile())).toHaveLength(4);
+  await page.getByRole("button", { name: "To the archive Gone" }).click();
+  await expect(page.getByText(/cannot be reached\. Nothing was sent\./)).toBeVisible();
 });
