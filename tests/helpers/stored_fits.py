@@ -24,11 +24,11 @@ def add_waiting_fit(storage: Storage, scan_id: str, fit_id: str) -> None:
 
 
 def append(storage: Storage, fit_id: str, *events: dict[str, Any]) -> None:
-    """One attempt at the fit, which tells these events, the first ones again if they are stored already."""
+    """One attempt at the fit, which tells these events after those that are stored already."""
     case, scan_id = storage.case_of_fit(fit_id)
     with claimed(case, scan_id, fit_id) as claim:
         assert claim is not None
-        claim.go_on()
+        claim._counted = claim.stored  # what comes is new
         for event in events:
             claim.append(event)
     storage.index.refresh(case.id)

@@ -22,13 +22,12 @@ NUMBERS = {  # column -> its place in result.json
     "coverage": ("surface_distance_mm", "coverage"),
     "landmark_mean_mm": ("landmark_distance_mm", "mean"),
     "iterations": ("iterations",),
-    "solve_s": ("timing_s", "solve"),
+    "solve_s": ("timing_s", "solve"),  # all but the times are the same wherever and however often a fit runs
     "total_s": ("timing_s", "total"),
     "verdict": ("verdict", "level"),
     "model_alone_mean_mm": ("model_alone", "surface_distance_mm", "mean"),
 }
 
-TIMES = ("solve_s", "total_s")  # all other columns are the same wherever and however often a fit runs
 MISSING = "drawing_missing"
 SIZE = "size"  # the last column, where the size of a scan is not known
 FIRST = ("name", "state", "reason")

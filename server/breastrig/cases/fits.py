@@ -157,14 +157,9 @@ class Claim:
         self._cut_half_line()
         self.stored = len(events_after(self.folder))
         self._counted = 0
-        first = events_after(self.folder)[:1]
-        self._model = json.loads(first[0][1]).get("model_sha256") if first else None
+        self._model = (first_event(self.folder) or {}).get("model_sha256")
         last = last_event(self.folder)
         self._ended = last is not None and last["kind"] in ENDED
-
-    def go_on(self) -> None:
-        """Counts what is appended from here on as new, whatever an earlier attempt has stored."""
-        self._counted = self.stored
 
     @property
     def has_ended(self) -> bool:
