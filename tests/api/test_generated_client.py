@@ -16,7 +16,7 @@ from typing import Any
 
 import httpx
 import pytest
-from helpers.blank_pictures import blank_pictures_in_reports
+from helpers.blank_pictures import any_reports_of_links
 from helpers.image_uploads import IMAGE
 from helpers.remembered_fits import run_fit_once
 from helpers.waiting import ended
@@ -62,7 +62,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Service, 
     )
     config = Config()
     with pytest.MonkeyPatch.context() as patch, service.started():
-        blank_pictures_in_reports(patch)
+        any_reports_of_links(patch)
         stand_in_for_reports(patch, service)
         server = Server(create_app(config, service).wsgi_app, config, 0, lambda: None, ServerLimits())
         runs = threading.Thread(target=server.run)

@@ -46,8 +46,8 @@ def test_a_lesion_of_a_label_map_is_an_item_of_the_plan(client: FlaskClient) -> 
 
 def test_the_side_is_asked_and_the_answer_sent_with_the_file(client: FlaskClient) -> None:
     """Nothing is kept of a file about which something has to be asked first."""
-    labels = np.asfortranarray(body_labels()[::-2, ::-2, ::2])
-    data = gzip.compress(placed_nifti(labels, *[(np.diag([*2.0 * SIZES, 1.0]), 0)] * 2))
+    labels = np.asfortranarray(body_labels()[::-1, ::-1, ::2])
+    data = gzip.compress(placed_nifti(labels, *[(np.diag([*SIZES * [1.0, 1.0, 2.0], 1.0]), 0)] * 2))
     before = client.get("/api/scans").json
     asked = client.post("/api/scans", data={"file": (io.BytesIO(data), "a.nii")})
     assert (asked.status_code, asked.mimetype) == (422, "application/problem+json")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pypdf
 import pytest
-from helpers.blank_pictures import blank_pictures_in_reports
+from helpers.blank_pictures import any_reports_of_links, blank_pictures_in_reports
 from helpers.label_maps import in_lps
 from helpers.waiting import ended
 from helpers.walled_patient import RADIUS, lesion_of, marks, walled_patient
@@ -25,6 +25,7 @@ def test_a_lesion_of_an_mri_is_seen_on_another_scan_moved_reported_and_shared(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     blank_pictures_in_reports(monkeypatch)
+    any_reports_of_links(monkeypatch)
     rig = walled_patient(tmp_path)
     inside, nipple = lesion_of(rig), marks(rig, rig.template)["nipple_L"]
     service = Service(Storage(tmp_path / "data"), fits=FitLimits(workers=1, grace_s=0.1))

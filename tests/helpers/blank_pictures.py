@@ -12,6 +12,7 @@ from helpers.plain_report import (
     plain_report_pdf_of,
     white,
     write_plain_snapshot,
+    write_snapshot_with_any_report,
 )
 
 COARSER = 4
@@ -29,6 +30,11 @@ def blank_pictures_in_reports(patch: pytest.MonkeyPatch) -> None:
     patch.setitem(reports.MAKERS, "dicom.zip", plain_dicom_zip_of)
     patch.setattr(reports, "dicom_zip_of", plain_dicom_zip_of)
     patch.setattr(share_snapshots, "write_snapshot", write_plain_snapshot)
+
+
+def any_reports_of_links(patch: pytest.MonkeyPatch) -> None:
+    """From now on links that services of this process make have a report on which nothing is."""
+    patch.setattr(share_snapshots, "write_snapshot", write_snapshot_with_any_report)
 
 
 def coarse_pictures(patch: pytest.MonkeyPatch) -> None:

@@ -15,10 +15,10 @@ from scipy.interpolate import LinearNDInterpolator
 
 from breastrig.rig.model import Rig
 
-SIZES = np.array([1.0, 1.1, 2.0])  # mm
+SIZES = np.array([2.0, 2.0, 2.2])  # mm
 LOW = np.array([-130.0, -88.0, 66.0])  # mm, LPS
-SHAPE = (260, 104, 76)
-CHEST = -0.45  # mm, between two layers of voxels
+SHAPE = (130, 60, 69)
+CHEST = -0.9  # mm, between two layers of voxels
 BREASTS = np.array([[65.0, -10.0, 140.0], [-65.0, -10.0, 140.0]])
 LESION, RADIUS = np.array([60.0, -35.0, 150.0]), 8.0
 
@@ -46,8 +46,8 @@ def _body_labels() -> np.ndarray:
 
 
 def coarse_labels() -> bytes:
-    """Every second voxel of `body_labels` as NIfTI: an eighth of the work for tests of what is done with a file."""
-    return nifti(np.ascontiguousarray(body_labels()[::2, ::2, ::2]), sizes=2.0 * SIZES)
+    """Every second slice of `body_labels` as NIfTI: half of the work for tests of what is done with a file."""
+    return nifti(np.ascontiguousarray(body_labels()[:, :, ::2]), sizes=SIZES * [1.0, 1.0, 2.0])
 
 
 def front_labels(rig: Rig, lesion: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray, float]:

@@ -17,7 +17,6 @@ import numpy as np
 
 from breastrig.gltf.read_rig import default_rig_path, read_rig
 from helpers.label_maps import (
-    SIZES,
     above_navel,
     body_labels,
     dicom_segmentation,
@@ -44,8 +43,7 @@ def lesion_day_files(folder: Path) -> None:
     mri = gzip.compress(nifti(labels, low=low, sizes=sizes))
     unsaid = np.diag([*sizes, 1.0]), 0
     (folder / "mri.nii.gz").write_bytes(mri)
-    balls = np.ascontiguousarray(body_labels()[::2, ::2])
-    (folder / "balls.nii.gz").write_bytes(gzip.compress(nifti(balls, sizes=SIZES * [2.0, 2.0, 1.0])))
+    (folder / "balls.nii.gz").write_bytes(gzip.compress(nifti(body_labels())))
     (folder / "no_side.nii.gz").write_bytes(gzip.compress(placed_nifti(labels, unsaid, unsaid)))
     (folder / "broken.nii.gz").write_bytes(mri[: len(mri) // 2])
     with zipfile.ZipFile(folder / "seg.zip", "w", zipfile.ZIP_DEFLATED) as packed:

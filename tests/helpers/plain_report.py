@@ -10,6 +10,7 @@ import numpy as np
 
 from breastrig.rendering.picture import Picture, Scene
 from breastrig.use.archive.objects import dicom_zip_of
+from breastrig.use.reports import share_snapshot
 from breastrig.use.reports.report import ReportJob, report_pages_of, report_pdf_of
 from breastrig.use.reports.share_snapshot import SnapshotJob, write_snapshot
 
@@ -40,6 +41,12 @@ def plain_dicom_zip_of(job: ReportJob, identities: Path | None = None) -> bytes:
 def write_plain_snapshot(job: SnapshotJob) -> None:
     """As `write_snapshot`, with such a report."""
     _make_plain()
+    write_snapshot(job)
+
+
+def write_snapshot_with_any_report(job: SnapshotJob) -> None:
+    """As `write_snapshot`, for tests that do not look at its report."""
+    share_snapshot.report_pdf_of = lambda _job: b"%PDF-".ljust(500)
     write_snapshot(job)
 
 

@@ -47,7 +47,7 @@ LANDMARKS = {
     kind: landmark_file({"nipple_L": np.array([1.0, 2.5, -3.0]), "xiphoid": np.array([0.0, 1e-3, 9.0])}, kind, "mm")
     for kind in ("json", "csv", "pp", "mrk.json")
 }
-LABELS, COARSE = body_labels()[::4, ::4, ::2], SIZES * [4, 4, 2]
+LABELS, COARSE = body_labels()[::2, ::2, ::2], SIZES * [2, 2, 2]
 MAPS = {
     "nifti": nifti(LABELS, sizes=COARSE),
     "nrrd": nrrd(LABELS, nrrd_fields(LABELS, to_lps(sizes=COARSE))),

@@ -40,7 +40,7 @@ def test_the_skin_and_the_lesion_lie_where_they_are(turned: bool, packed: bool) 
     scan = read_scan(gzip.compress(data) if packed else data)
     assert (scan.unit, scan.from_label_map) == ("mm", True)
     off = np.abs(off_skin(1e3 * scan.vertices))
-    assert np.percentile(off, 95) < 0.4
+    assert np.percentile(off, 95) < 0.55
     assert off.max() < 3.0  # in the crease between ball and plane
     assert np.ptp(1e3 * scan.vertices, axis=0) == pytest.approx([259.0, 70.0, 150.0], abs=2.5)
     outwards = vertex_normals(scan.vertices, scan.faces)
@@ -61,12 +61,12 @@ def test_a_map_of_the_skin_alone_is_the_same_body() -> None:
     for centre in BREASTS:
         inner |= np.linalg.norm(at - centre, axis=-1) < 56.0
     scan = read_scan(nifti((labels & ~inner).astype(np.uint8)))
-    assert np.percentile(np.abs(off_skin(1e3 * scan.vertices)), 95) < 0.4
+    assert np.percentile(np.abs(off_skin(1e3 * scan.vertices)), 95) < 0.55
 
 
 def test_a_dicom_segmentation_has_its_lesions_by_name() -> None:
     scan = read_scan(dicom_segmentation(body_labels()))
-    assert np.percentile(np.abs(off_skin(1e3 * scan.vertices)), 95) < 0.4
+    assert np.percentile(np.abs(off_skin(1e3 * scan.vertices)), 95) < 0.55
     (lesion,) = scan.lesions
     assert lesion.name == "Lesion 1"
     assert [each.label for each in scan.segments] == ["Body Breast", "Index lesion Mass"]
@@ -95,7 +95,7 @@ def test_what_is_no_label_map_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -
     good = nifti(np.ones((90, 90, 90), np.uint8))
     for data, sentence in (
         (good, "This label map shows no skin with air in front of it; export the whole volume, 0 for air."),
-        (small, "This label map shows no body: all that is in it is 40 mm across, as a lesion alone"),
+        (small, "This label map shows no body: all that is in it is 44 mm across, as a lesion alone"),
         (nifti(np.zeros((20, 20, 20), np.uint8)), "This label map shows no skin with air in front of it"),
         (nifti(np.ones((20, 20, 1), np.uint8)), "This file is a single slice; export the whole volume."),
         (nifti(np.ones((5, 5, 5, 2), np.uint8)), "This file must be one volume of three dimensions"),
@@ -119,8 +119,8 @@ def test_what_is_no_label_map_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -
     assert gzip.compress(b"")[:2] == read.GZIP_START
 
 
-PART = np.s_[110:, :, 24:64]  # a breast with the lesion, and what is around it
-PART_LOW = LOW + SIZES * [110.0, 0.0, 24.0]
+PART = np.s_[55:, :, 24:64]  # a breast with the lesion, and what is around it
+PART_LOW = LOW + SIZES * [55.0, 0.0, 24.0]
 
 
 def stored(labels: np.ndarray, dtype: type, kind: type = nibabel.Nifti1Image, order: str = "<") -> bytes:
@@ -186,7 +186,7 @@ def test_small_files_do_not_ask_for_much(monkeypatch: pytest.MonkeyPatch) -> Non
             read_scan(nifti(body_labels(), sizes=np.full(3, size)))
     labels = body_labels()
     for number in range(4, 60):
-        labels[number * 3 % 260, 70 + number % 30, :] = number
+        labels[number * 3 % 130, 39 + number % 15, :] = number
     looked_at = []
     parts = segments._parts
     monkeypatch.setattr(segments, "LOOKED_AT", 100_000)
@@ -200,7 +200,7 @@ def test_small_files_do_not_ask_for_much(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_a_map_of_one_breast_is_said_to_be_one() -> None:
     labels = body_labels()
-    half = read_scan(nifti(labels[130:], low=LOW + SIZES * [130.0, 0.0, 0.0]))
+    half = read_scan(nifti(labels[65:], low=LOW + SIZES * [65.0, 0.0, 0.0]))
     (said,) = [note for note in half.notes if "as one breast alone" in note]
     assert " mm wide from right to left" in said
     assert not any("one breast" in note for note in read_scan(nifti(labels)).notes)

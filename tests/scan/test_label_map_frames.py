@@ -181,8 +181,8 @@ def test_the_unit_is_the_files_own_whatever_the_size(unit: str, factor: float) -
     """One breast, 16 cm wide: its size alone would be a torso in centimetres."""
     import nibabel
 
-    part = body_labels()[130:, 10:]
-    affine = to_ras(LOW + SIZES * [130, 10, 0])
+    part = body_labels()[65:, 5:]
+    affine = to_ras(LOW + SIZES * [65, 5, 0])
     affine[:3] *= factor
     image = nibabel.Nifti1Image(part, affine)
     image.header.set_xyzt_units(unit)
