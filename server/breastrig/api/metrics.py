@@ -71,9 +71,6 @@ class _Fits(Collector):
     def __init__(self, service: Service) -> None:
         self._service = service
 
-    def describe(self) -> list[Metric]:
-        return []
-
     def collect(self) -> Iterator[Metric]:
         counts = self._service.storage.index.asked(count_by_state)
         states = GaugeMetricFamily("breastrig_fits", "Fits that are kept, by state", labels=["state"])

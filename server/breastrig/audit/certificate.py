@@ -42,12 +42,13 @@ def certificate(root: Path, of: str) -> Certificate:
         )
     done, checked = asked["done"], check(root)
     exports = [line for line in lines_from(root, of, before=asked["n"]) if line["what"] == "export"]
+    who = f"{asked['name']} ({asked['who']})" if "name" in asked else asked["who"]
     counts = ", ".join(f"{removes[each]} {each}" for each in ("scans", "fits", "links", "files"))
     rows = (
         ("Patient (random id)", ids["patient"] + ("" if removes["case"] else ", of whom other scans are kept")),
         ("Scans (random ids)", ", ".join(removes["scan_ids"]) or "none"),
         ("Removed", f"{counts}; {removes['bytes'] / 1e6:.1f} MB, and what was planned on these scans"),
-        ("Asked for", f"{asked['at']} (UTC), {_who(asked)}, by {asked.get('how', '')}"),
+        ("Asked for", f"{asked['at']} (UTC), {who}, by {asked.get('how', '')}"),
         ("Done", "its end was not recorded" if done is None else f"{done['at']} (UTC)"),
         ("Line of the audit log", f"{asked['n']}, SHA-256 {asked['sha256']}"),
         ("Line of its end", "none" if done is None else f"{done['n']}, SHA-256 {done['sha256']}"),
@@ -64,7 +65,3 @@ def certificate(root: Path, of: str) -> Certificate:
 def _is_of(line: dict[str, Any], of: str) -> bool:
     removes = line["removes"]
     return bool(line["of"].get("patient") == of and removes["case"]) or of in removes["scan_ids"]
-
-
-def _who(line: dict[str, Any]) -> str:
-    return f"{line['name']} ({line['who']})" if "name" in line else str(line["who"])

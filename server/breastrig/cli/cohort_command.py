@@ -53,7 +53,8 @@ def run(options: argparse.Namespace) -> int:
         prior = _made(options, folders, priors)
         write(prior.content())
     if sys.stdout.isatty():
-        print(f"{options.output} is of {_patients(prior)}.")
+        whose = ", ".join(counted(each.women, stance) for stance, each in prior.stances.items()) or "nobody"
+        print(f"{options.output} is of {whose}.")
     return 0
 
 
@@ -79,10 +80,6 @@ def _not_within(output: Path, folders: list[Path]) -> None:
 
 def _rig(options: argparse.Namespace) -> Rig:
     return read_rig(options.model or default_rig_path())
-
-
-def _patients(prior: CohortPrior) -> str:
-    return ", ".join(counted(each.women, stance) for stance, each in prior.stances.items()) or "nobody"
 
 
 def counted(women: int, stance: str) -> str:

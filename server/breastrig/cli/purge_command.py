@@ -12,7 +12,7 @@ from breastrig.cases import layout, removal
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.cli.cases.audited import shell
 from breastrig.cli.messages.say import say
-from breastrig.cli.options.service_options import add_setting_options, chosen_data_folder
+from breastrig.cli.options.service_options import add_setting_options, checked, chosen_data_folder
 from breastrig.core import wall_clock
 from breastrig.core.errors import BadInput, BadSettings, NotFound
 from breastrig.service.bring_over import is_early, take_over
@@ -24,23 +24,17 @@ from breastrig.storage.storage import Storage, Unremoved, iso_utc
 def add_options(parser: argparse.ArgumentParser) -> None:
     which = parser.add_mutually_exclusive_group(required=True)
     which.add_argument("--all", action="store_true", help="every scan")
-    which.add_argument("--older-than", type=days, metavar="DAYS", help="scans uploaded more than so many days ago")
+    which.add_argument(
+        "--older-than", type=checked(read_days), metavar="DAYS", help="scans uploaded more than so many days ago"
+    )
     add_setting_options(parser, ["data"])
-
-
-def days(text: str) -> float:
-    """A number of days from an option."""
-    try:
-        return read_days(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text} {error}") from error
 
 
 def run(options: argparse.Namespace) -> int:
     """Deletes for good and says how many; returns 0, or 1 when something is left."""
     storage = Storage(chosen_data_folder(options))
     try:
-        purged = purge(storage, None if options.all else options.older_than)
+        purged = purge(storage, None if options.all else read_days(options.older_than))
     finally:
         storage.close()
     print(f"{_count(purged.scans, 'scan')} deleted from {storage.root}")

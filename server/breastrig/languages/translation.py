@@ -10,13 +10,17 @@ from functools import lru_cache
 from typing import Any
 
 from breastrig.languages.catalogue import ENGLISH, Message, catalogue
-from breastrig.languages.numbers import number_said, numbers_said
 
 LONGEST = 5000  # characters; longer texts are nobody's sentence
 DEPTH = 6  # of messages in messages
 QUOTED = re.compile(r'["“][^"”]*["”]')
 END = re.compile(r"(?<=[.!?]) +")
 LISTED = (" · ", "; ", ", or ", ", and ", ", ", " and ", " or ")
+UNITS = frozenset(["mm", "cm", "m", "ml", "l", "g", "kg", "s", "min", "h", "MB", "kB", "GB", "deg", "x"])
+NUMBER = re.compile(r"(?<![\d.,])\d[\d,]*(?:\.\d+)?(?![\d,]*\.?\d)")
+DAY = re.compile(r"(?<![\d-])(\d{4})-(\d\d)-(\d\d)(?![\d-])")
+WORD = re.compile(r"[^\W\d_]+")
+GERMAN = str.maketrans(",.", ".,")
 Reading = tuple[int, str]  # characters that are known, translation
 IsField = Callable[[str, str], bool]
 
@@ -141,3 +145,16 @@ def _list(text: str, language: str, depth: int) -> Reading:
             joint = catalogue(language).words.get(between, between)
             return sum(map(_known, parts)), joint.join(found for _, found in parts)
     return 0, text
+
+
+def number_said(text: str, language: str) -> str:
+    """One number as Python formats it, 1,234.5, as the language writes it: 1.234,5."""
+    return text.translate(GERMAN) if language == "de" else text
+
+
+def numbers_said(text: str, language: str) -> str | None:
+    """The text with its numbers and days (ISO 8601) in the language; None where it has other words than units."""
+    if language != "de" or not {*WORD.findall(text)} <= UNITS:
+        return None
+    days = DAY.sub(r"\3.\2.\1", text)
+    return days if days != text else NUMBER.sub(lambda found: number_said(found[0], language), text)

@@ -84,6 +84,10 @@ def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
     """Adds the hooks; to be registered after the guards, which refuse before anything is written."""
     opened = MovingWindowRateLimiter(MemoryStorage())
 
+    def is_new(made: Mapping[str, str]) -> bool:
+        """Whether this person has not opened the same just now: the first id in the address, else the list at it."""
+        return opened.hit(ONCE, who_asks(made), next(iter(_ids().values()), request.path))
+
     @app.before_request
     def begin() -> None:
         how = request.endpoint or ""
@@ -110,11 +114,7 @@ def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
                 log.later(Entry(who_asks(), "refused", how, _of(storage), line | {"status": status}))
             elif started is not None and made:
                 log.later(Entry(who_asks(), "done", how, made, line))
-            elif (
-                started is None
-                and status < 400
-                and (kind == EXPORT or (kind == OPEN and opened.hit(ONCE, who_asks(made), _opens())))
-            ):
+            elif started is None and status < 400 and (kind == EXPORT or (kind == OPEN and is_new(made))):
                 log.later(Entry(who_asks(made), kind, how, _of(storage) or _with_owner(storage, made), _name()))
         return response
 
@@ -130,11 +130,6 @@ def who_asks(made: Mapping[str, str] = MappingProxyType({})) -> str:
 def _name() -> dict[str, object]:
     person = current_person()
     return {} if person in (HOLDER, VISITOR) else {"name": person.name[:NAME_CHARACTERS]}
-
-
-def _opens() -> str:
-    """What is opened: the first id in the address, else the list at it."""
-    return next(iter(_ids().values()), request.path)
 
 
 def _ids() -> dict[str, str]:

@@ -7,7 +7,6 @@ from pathlib import Path
 from breastrig.cli.messages.say import say
 from breastrig.core.units import METRES_PER_UNIT
 from breastrig.scan.piece import TakenSegment
-from breastrig.scan.scan import Scan as ScanInMetres
 from breastrig.scan.volumes.answers import VolumeAnswers, checked_answers, segments_of_words
 from breastrig.use.scan import Scan, ScanSource, read_coloured
 
@@ -54,7 +53,7 @@ def scan_of(options: argparse.Namespace, scan: Path) -> Scan:
 def scan_source(options: argparse.Namespace, scan: Path | Scan, lesions: Sequence[Path] = ()) -> ScanSource:
     """The scan with lesions of other files, to be read when it is needed."""
     units = options.units if isinstance(scan, Path) else "auto"  # else it has been read in its own
-    return ScanSource(scan, units, _answers(options), say_segments_of, lesions)
+    return ScanSource(scan, units, _answers(options), lambda read: say_segments(read.segments), lesions)
 
 
 def _answers(options: argparse.Namespace) -> VolumeAnswers:
@@ -62,10 +61,6 @@ def _answers(options: argparse.Namespace) -> VolumeAnswers:
     return checked_answers(
         options.frame, segments_of_words(options.segment), getattr(options, "series", None), same_place=same_place
     )
-
-
-def say_segments_of(scan: ScanInMetres) -> None:
-    say_segments(scan.segments)
 
 
 def say_segments(segments: Iterable[TakenSegment]) -> None:

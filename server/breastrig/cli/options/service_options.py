@@ -21,7 +21,7 @@ def add_setting_options(parser: argparse.ArgumentParser, names: Iterable[str]) -
         if setting.read is read_yes_or_no:
             parser.add_argument(option, action="store_const", const="yes", help=setting.help)
         else:
-            parser.add_argument(option, type=checked(name), metavar=setting.metavar, help=setting.help)
+            parser.add_argument(option, type=checked(setting.read), metavar=setting.metavar, help=setting.help)
 
 
 def chosen_data_folder(options: argparse.Namespace) -> Path:
@@ -30,13 +30,12 @@ def chosen_data_folder(options: argparse.Namespace) -> Path:
     return folder
 
 
-def checked(name: str) -> Callable[[str], str]:
-    """An option's type that checks a setting: a wrong value is a mistake of usage; the text itself is passed on."""
-    setting = SETTINGS[name]
+def checked(read: Callable[[str], object]) -> Callable[[str], str]:
+    """An option's type that checks a text: a wrong value is a mistake of usage; the text itself is passed on."""
 
     def check(text: str) -> str:
         try:
-            setting.read(text)
+            read(text)
         except ValueError as error:
             raise argparse.ArgumentTypeError(f"{text or 'nothing'} {error}") from error
         return text
