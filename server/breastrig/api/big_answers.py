@@ -84,22 +84,15 @@ def big_answer(
     if file.size < BIG_BYTES:
         response = file_answer(file, media_type, PERSONAL)
     else:
-        response = _checked(answers, file, media_type, is_open, share_id)
+        with ExitStack() as place:
+            if share_id is not None:
+                leave = answers.take(share_id, client_of(request.remote_addr))
+                if leave is None:
+                    raise refuse(503, BUSY, {"Retry-After": str(BIG_RETRY_S)})
+                place.callback(leave)
+            response = streamed_answer(file, media_type, lambda opened: WhileOpen(opened, is_open))
+            response.call_on_close(place.pop_all().close)
     response.headers["Cache-Control"] = PERSONAL
     if download_as is not None:
         response.headers["Content-Disposition"] = f"attachment; filename={download_as}"
-    return response
-
-
-def _checked(
-    answers: BigAnswers, file: OpenedFile, media_type: str, is_open: Callable[[], bool], share_id: str | None
-) -> Response:
-    with ExitStack() as place:
-        if share_id is not None:
-            leave = answers.take(share_id, client_of(request.remote_addr))
-            if leave is None:
-                raise refuse(503, BUSY, {"Retry-After": str(BIG_RETRY_S)})
-            place.callback(leave)
-        response = streamed_answer(file, media_type, lambda opened: WhileOpen(opened, is_open))
-        response.call_on_close(place.pop_all().close)
     return response

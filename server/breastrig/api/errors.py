@@ -95,7 +95,8 @@ def register_errors(app: APIFlask, storage: Storage) -> None:
     app.register_error_handler(errors.BreastRigError, _breastrig_error)
     app.register_error_handler(HTTPError, _validation_error)
     app.register_error_handler(HTTPException, _http_error)
-    app.register_error_handler(RecursionError, _too_deep)
+    too_deep = "The request's JSON is nested too deeply."
+    app.register_error_handler(RecursionError, lambda _error: problem(400, too_deep))
     app.register_error_handler(sqlite3.Error, in_trouble)
     app.register_error_handler(OSError, _disk_trouble)
 
@@ -156,7 +157,3 @@ def _later(detail: str) -> Response:
 def _disk_is_full() -> Response:
     log.error("the disk is full")
     return problem(507, "The service's disk is full; nothing was kept. Free space, or delete scans, and try again.")
-
-
-def _too_deep(_error: RecursionError) -> Response:
-    return problem(400, "The request's JSON is nested too deeply.")

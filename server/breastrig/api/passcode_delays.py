@@ -23,11 +23,6 @@ class _Guesses:
     last_at: float = 0.0
 
 
-def delay_s(wrong: int) -> float:
-    """Seconds to wait after so many wrong passcodes: 0, from the last free one on 1, 2, 4, ..."""
-    return 0.0 if wrong < FREE_GUESSES else min(LONGEST_DELAY_S, 2.0 ** min(30, wrong - FREE_GUESSES))
-
-
 class PasscodeDelays:
     """The addresses that guess.  May be called from any thread; `clock` gives seconds."""
 
@@ -53,7 +48,8 @@ class PasscodeDelays:
                 return math.ceil(guesses.next_at - now)
             guesses.wrong += 1
             guesses.last_at = now
-            guesses.next_at = now + delay_s(guesses.wrong)
+            over = guesses.wrong - FREE_GUESSES  # from the last free one on the wait is 1 s, 2, 4, ...
+            guesses.next_at = now + (0.0 if over < 0 else min(LONGEST_DELAY_S, 2.0 ** min(30, over)))
             return 0
 
     def was_right(self, share_id: str, address: str) -> None:

@@ -3,11 +3,10 @@
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from breastrig.audit.log import AuditLog, Entry, Fields, Mark
+from breastrig.audit.log import AuditLog, Entry, Fields
 from breastrig.cases import layout
 from breastrig.cases.case_folder import CaseFolder
 from breastrig.core.errors import NotFound
@@ -15,25 +14,28 @@ from breastrig.core.errors import NotFound
 NAMED = 100  # scans by their ids; of more, the number
 
 
-@dataclass(frozen=True)
 class Deletion:
-    """One that has started."""
+    """One that has started, with a line of what is to be deleted: a scan, or the case, with the last scan as well.
 
-    log: AuditLog
-    who: str
-    how: str
-    of: Mapping[str, str]
-    line: Mark | None  # None on a full disk: it is written with the next one
+    On a full disk the line waits; any other OSError is raised, and nothing may be deleted.
+    """
+
+    def __init__(
+        self, log: AuditLog, who: str, how: str, of: Mapping[str, str], named: Fields = MappingProxyType({})
+    ) -> None:
+        self._log, self._who, self._how, self._of = log, who, how, of
+        removes = _counts(log.root / layout.CASES / (of.get("patient") or "none"), of.get("scan", ""))
+        self._line = log.append_deletion(Entry(who, "delete", how, of, {**named, "removes": removes}))
 
     def ended(self) -> None:
         """`done`, or `refused` where the scan or case is still there for all to see."""
-        what = "refused" if is_there(self.log.root, self.of) else "done"
-        said = {"left": left_of(self.log.root, self.of)} | ({} if self.line is None else {"line": self.line.line})
-        entry = Entry(self.who, what, self.how, self.of, said)
+        what = "refused" if is_there(self._log.root, self._of) else "done"
+        said = {"left": left_of(self._log.root, self._of)} | ({} if self._line is None else {"line": self._line.line})
+        entry = Entry(self._who, what, self._how, self._of, said)
         try:
-            self.log.append_deletion(entry)
+            self._log.append_deletion(entry)
         except OSError:  # it is done, whatever can be written
-            self.log.later(entry)
+            self._log.later(entry)
 
 
 def is_there(root: Path, of: Mapping[str, str]) -> bool:
@@ -56,23 +58,10 @@ def left_of(root: Path, of: Mapping[str, str]) -> int:
     return sum(name.partition(".")[0] == patient for name in names) + (root / layout.CASES / patient).exists()
 
 
-def begin_deletion(
-    log: AuditLog, who: str, how: str, of: Mapping[str, str], case: Path | None, named: Fields = MappingProxyType({})
-) -> Deletion:
-    """Writes what is to be deleted: a scan of the case, or the case, with the last scan as well.
-
-    On a full disk the line waits; any other OSError is raised, and nothing may be deleted.
-    """
-    removes = {} if case is None else _counts(case, of.get("scan", ""))
-    return Deletion(
-        log, who, how, of, log.append_deletion(Entry(who, "delete", how, of, {**named, "removes": removes}))
-    )
-
-
 @contextmanager
 def deletion(log: AuditLog, who: str, how: str, case: Path, scan: str = "") -> Iterator[None]:
     """Writes a deletion that is done inside the block, and its end, also where files are left."""
-    started = begin_deletion(log, who, how, {"patient": case.name} | ({"scan": scan} if scan else {}), case)
+    started = Deletion(log, who, how, {"patient": case.name} | ({"scan": scan} if scan else {}))
     try:
         yield
     finally:

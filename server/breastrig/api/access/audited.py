@@ -18,7 +18,7 @@ from limits.strategies import MovingWindowRateLimiter
 
 from breastrig.api.access.person import HOLDER, VISITOR, Role, current_person
 from breastrig.api.access.roles import LEAST, SAFE_METHODS
-from breastrig.audit.deletions import Deletion, begin_deletion
+from breastrig.audit.deletions import Deletion
 from breastrig.audit.log import AuditLog, Entry
 from breastrig.cases import layout
 from breastrig.index import questions
@@ -96,8 +96,7 @@ def register_audit(app: APIFlask, log: AuditLog, storage: Storage) -> None:
             return
         of = _of(storage)
         if kind == DELETE:
-            case = storage.root / layout.CASES / of["patient"] if "patient" in of else None
-            g.audited = begin_deletion(log, who_asks(), how, of, case, _name())
+            g.audited = Deletion(log, who_asks(), how, of, _name())
         else:
             g.audited = log.append(Entry(who_asks(), kind, how, of, _name()))[-1]
 

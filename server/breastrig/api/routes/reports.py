@@ -6,13 +6,14 @@ from typing import Literal
 
 from apiflask import APIBlueprint
 from flask import Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from breastrig.api.answers import CSV, JSON, PDF, PERSONAL, PNG, STL, VTU, ZIP, bytes_answer, file_of, in_memory
 from breastrig.api.app_context import app_context, config, service, storage
 from breastrig.api.language import current_language
 from breastrig.api.routes.fits import FITS_TAG
 from breastrig.api.wire import files as wire_files
+from breastrig.api.wire.common import Wire
 from breastrig.core.errors import BadSettings, Conflict
 from breastrig.core.stances import SIDES
 from breastrig.languages.catalogue import Language
@@ -23,10 +24,8 @@ from breastrig.use.guides.template import guide_said
 reports = APIBlueprint("reports", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 
 
-class PagesQuery(BaseModel):
+class PagesQuery(Wire):
     """In which language pages are."""
-
-    model_config = ConfigDict(extra="forbid", populate_by_name=True)
 
     language: Language | None = Field(None, description="of the pages; without it that of the request")
 
@@ -101,10 +100,8 @@ def show_template(fit_id: str, query_data: PagesQuery) -> Response:
     )
 
 
-class GuideQuery(BaseModel):
+class GuideQuery(Wire):
     """Which side."""
-
-    model_config = ConfigDict(extra="forbid")
 
     side: Literal["L", "R"] = Field(description="the patient's")
 
@@ -136,15 +133,13 @@ def show_dicom(fit_id: str) -> Response:
     return _file(_scans_of_done(fit_id), service.reports.made("dicom.zip", fit_id), ZIP, "dicom.zip", fit_id)
 
 
-class ToArchive(BaseModel):
+class ToArchive(Wire):
     """Which archive."""
-
-    model_config = ConfigDict(extra="forbid")
 
     archive: str = Field(max_length=100, description="one of `archives` of /api/meta")
 
 
-class Archived(BaseModel):
+class Archived(Wire):
     """The archive has stored all that it is to have."""
 
     notes: list[str] = Field(description="what it noted of them, a sentence each")
