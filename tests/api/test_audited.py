@@ -27,6 +27,7 @@ Lines = Callable[[], list[dict[str, Any]]]
 @pytest.fixture
 def lines(service: Service) -> Lines:
     """The lines since the beginning of the test, oldest first."""
+    service.audit.flush()  # what other tests have opened
     before = service.audit.end().line
 
     def read() -> list[dict[str, Any]]:

@@ -6,9 +6,7 @@ import os
 from breastrig.api.settings import token_source
 from breastrig.cli.options.service_options import add_service_options, service_settings
 
-
-def add_options(parser: argparse.ArgumentParser) -> None:
-    add_service_options(parser)
+add_options = add_service_options
 
 
 def run(options: argparse.Namespace) -> int:

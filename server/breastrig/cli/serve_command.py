@@ -31,12 +31,8 @@ from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
 from breastrig.use.fit import run_fit
 
-
-def add_options(parser: argparse.ArgumentParser) -> None:
-    add_service_options(parser)
-
-
 log = logging.getLogger(__name__)
+add_options = add_service_options
 
 
 def run(options: argparse.Namespace) -> int:

@@ -18,7 +18,7 @@ import numpy as np
 
 from breastrig.core.arrays import Array
 from breastrig.core.stances import SIDES
-from breastrig.report.bands import Joint, half_width, shared_half_width
+from breastrig.report.bands import Joint, banded, half_width, shared_half_width
 from breastrig.report.body_frame import BodyFrame
 from breastrig.report.calibration import Heights, measure_calibration
 from breastrig.report.stance import MODEL, Place, Stance
@@ -171,8 +171,7 @@ def _across(frame: BodyFrame, offset: Array) -> float:
 
 
 def _mm(above: float, half: float | None) -> Value:
-    ends = (None, None) if half is None else (1e3 * (above - half), 1e3 * (above + half))
-    return Value(1e3 * above, *ends)
+    return banded(1e3 * above, None if half is None else 1e3 * half, -np.inf)
 
 
 def _graded(heights: _Heights) -> Value:

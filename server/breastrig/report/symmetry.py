@@ -54,8 +54,10 @@ def symmetry(stance: Stance, frame: BodyFrame, known: Mapping[str, Place], joint
     how_level = "1 less their difference in height over their distance across"
     yield _row("M1", "nipple heights", level, half, names, how_level, {"value": points})
     to_midline = _sides(points, frame.on_plane(points))
-    to_plane = ways_to_midline if joint is not None else _alone
-    ways = [to_plane(place, frame, known) for place in nipples]
+    ways = [  # without what the landmarks share the plane has no error of its own
+        [(place, outwards(place, frame))] if joint is None else ways_to_midline(place, frame, known)
+        for place in nipples
+    ]
     found = _ratio(across, ways, Points(), joint)
     yield _row("M3", "nipple to midline", *found, names, how + "nipple to median plane, across", to_midline)
     members = [vertices_within(stance.rig, side) for side in SIDES]
@@ -117,11 +119,6 @@ def _ends(stance: Stance, low: Sequence[Array], far: Sequence[Array]) -> tuple[P
         left, right = (None if radius is None else error.of(radius) for radius in radii)
         found.append(Points((left, right), shared))
     return found[0], found[1]
-
-
-def _alone(place: Place, frame: BodyFrame, _known: Mapping[str, Place]) -> list[tuple[Place, Array]]:
-    """The distance to a median plane without an error of its own."""
-    return [(place, outwards(place, frame))]
 
 
 def _sides(a: Array, b: Array) -> dict[str, Array]:

@@ -6,11 +6,11 @@ same numbers.
 
 import json
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from apiflask import APIBlueprint
 from flask import Response, request
 
+from breastrig.api.answers import file_of
 from breastrig.api.app_context import config, service, storage
 from breastrig.api.errors import refuse
 from breastrig.api.language import current_language, event_said
@@ -26,10 +26,7 @@ events = APIBlueprint("events", __name__, url_prefix="/api/fits", tag=FITS_TAG)
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 RECONNECT_MS = 1000
 TOGETHER = 65_536  # characters that are sent at once
-STREAM: Any = {
-    "content": {"text/event-stream": {"schema": {"type": "string"}}},
-    "description": "Server-sent events; `data` is the event's JSON",
-}
+STREAM = file_of("text/event-stream", "Server-sent events; `data` is the event's JSON")
 
 
 @events.get("/<fit_id>/events")

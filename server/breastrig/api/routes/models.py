@@ -48,8 +48,7 @@ def show_version_side(sha256: str) -> Response:
 @models.doc(operation_id="getModelBuffer", responses={200: file_of(BINARY, "Never changes")})
 def show_buffer(sha256: str) -> Response:
     """The buffer that every iteration's glTF points at"""
-    model = _model_with(sha256)
-    return public_answer(model.buffer, BINARY, FOR_EVER)
+    return public_answer(_model_with(sha256).buffer, BINARY, FOR_EVER)
 
 
 @models.get("/<sha256>/drawings/<name>.bin")

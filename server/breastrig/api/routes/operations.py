@@ -4,13 +4,12 @@ None of it says anything about a patient.  /healthz and /readyz answer everyone,
 /metrics answers programs on this machine only, and behind a proxy, which is one of them, whoever brings the token.
 """
 
-from typing import Any
-
 from apiflask import APIBlueprint
 from flask import Response, request
 
 from breastrig.api.access.callers import has_token
 from breastrig.api.access.security import count_guess
+from breastrig.api.answers import file_of
 from breastrig.api.app_context import app_context, config, service
 from breastrig.api.config import is_loopback
 from breastrig.api.errors import refuse
@@ -20,8 +19,6 @@ from breastrig.api.wire import meta as wire_meta
 operations = APIBlueprint(
     "operations", __name__, tag={"name": "operations", "description": "Is the service alive, ready, busy."}
 )
-
-METRICS: Any = {"content": {"text/plain": {"schema": {"type": "string"}}}, "description": "Prometheus' text format"}
 
 
 @operations.get("/healthz")
@@ -49,7 +46,10 @@ def ready() -> wire_meta.Readiness:
 
 
 @operations.get("/metrics")
-@operations.doc(operation_id="metrics", responses={200: METRICS, 403: "Asked from another machine"})
+@operations.doc(
+    operation_id="metrics",
+    responses={200: file_of("text/plain", "Prometheus' text format"), 403: "Asked from another machine"},
+)
 def show_metrics() -> Response:
     """Numbers for Prometheus, only to programs on this machine
 

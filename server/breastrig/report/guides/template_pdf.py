@@ -15,6 +15,7 @@ from breastrig.languages.translation import Typed
 from breastrig.report.guides.template import TRUE, FlatLine, Piece, length_on_skin
 from breastrig.report.pages.names import spoken
 from breastrig.report.pages.printable import check_printable
+from breastrig.report.pages.tape_sheet import off_by
 from breastrig.report.pages.typeset import typeset
 
 SHEETS = ((180.0, 245.0), (267.0, 158.0))  # mm of an A4 page that is drawn on, upright and lying
@@ -75,7 +76,7 @@ def _piece(piece: Piece) -> dict[str, Any]:
         "slits": [[chr(ord("A") + k % 26), on_paper(slit)] for k, slit in enumerate(piece.slits)],
         "holes": [[_hole_name(hole.place.name), *on_paper(hole.at)] for hole in piece.holes],
         "lines": [_line(each, on_paper) for each in piece.lines],
-        "landmarks": [[_hole_name(h.place.name), h.place.source, _margin(h.place.radius)] for h in piece.holes],
+        "landmarks": [[_hole_name(h.place.name), h.place.source, off_by(h.place.radius)] for h in piece.holes],
         "margin": f"{1e3 * piece.margin:.0f} mm of paper beside each line, {len(piece.slits)} slits",
     }
 
@@ -146,7 +147,3 @@ def _line(each: FlatLine, on_paper: Any) -> dict[str, Any]:
 def _hole_name(name: str) -> str:
     side = name.rpartition("_")[2]
     return f"Nipple, {SIDES[side]}" if side in SIDES else "Notch"
-
-
-def _margin(metres: float | None) -> str:
-    return "not known" if metres is None else f"±{1e3 * metres:.0f} mm"

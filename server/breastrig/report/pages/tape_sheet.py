@@ -52,7 +52,7 @@ def tape_sheet(name: str, stance: Stance) -> dict[str, Any] | None:
         "picture": list(jpeg(picture)),
         "size": list(SIZE),
         "dots": _dots(places_mm, [*numbers, *letters.values()], len(points)),
-        "landmarks": [[letters[mark], spoken(mark), known[mark].source, _radius(known[mark].radius)] for mark in used],
+        "landmarks": [[letters[mark], spoken(mark), known[mark].source, off_by(known[mark].radius)] for mark in used],
         "rows": rows,
     }
 
@@ -64,7 +64,8 @@ def _words(point: TapePoint) -> str:
     return f"{where}, radius {point.radius_mm:.0f} mm"
 
 
-def _radius(metres: float | None) -> str:
+def off_by(metres: float | None) -> str:
+    """±6 mm."""
     return "not known" if metres is None else f"±{1e3 * metres:.0f} mm"
 
 

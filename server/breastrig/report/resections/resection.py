@@ -5,17 +5,15 @@ a depth ends them where they are so far from the nearest skin.  The breast is me
 outline, so it is larger than the report's volume, which ends before the fat behind the breast.
 """
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 
 import numpy as np
-from pydantic import BaseModel
 from scipy.spatial import cKDTree
 
 from breastrig.core.arrays import Array, Integers
+from breastrig.core.settings_file import SettingsPart, packaged
 from breastrig.core.stances import SIDES, split_side
 from breastrig.drawings.skin_maps.settings import skin_map_settings
 from breastrig.geometry.boundary import components
@@ -59,7 +57,7 @@ class Resection:
     rows: tuple[Taken, ...]
 
 
-class _Numbers(BaseModel):
+class _Numbers(SettingsPart):
     """resection.toml"""
 
     density_g_per_ml: float
@@ -70,8 +68,7 @@ class _Numbers(BaseModel):
 @cache
 def resection_numbers() -> _Numbers:
     """The density of breast tissue, and the depths that are shown."""
-    file = resources.files("breastrig.report.resections").joinpath("resection.toml")
-    return _Numbers.model_validate(tomllib.loads(file.read_text("utf-8")))
+    return packaged(_Numbers, "breastrig.report.resections", "resection.toml")
 
 
 class Columns:
