@@ -43,7 +43,7 @@ def test_what_an_mri_does_not_show_is_not_proposed_and_it_is_said(
 ) -> None:
     """Its field of view ends above the navel, and before the shoulders; of what is proposed there the error is said."""
     rig = read_rig(default_rig_path())
-    whole, start, size = front_labels(rig, rig.template.mean(axis=0), 0.0)
+    whole, start, size = front_labels(rig, rig.template.mean(axis=0), 0.0, 3.0)
     labels, low = above_navel(whole, start, size)
     mri = tmp_path / "mri.nii.gz"
     mri.write_bytes(gzip.compress(nifti(labels, low=low, sizes=np.full(3, size))))

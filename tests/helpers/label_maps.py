@@ -50,12 +50,14 @@ def coarse_labels() -> bytes:
     return nifti(np.ascontiguousarray(body_labels()[:, :, ::2]), sizes=SIZES * [1.0, 1.0, 2.0])
 
 
-def front_labels(rig: Rig, lesion: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray, float]:
+def front_labels(
+    rig: Rig, lesion: np.ndarray, radius: float, size: float = 2.0
+) -> tuple[np.ndarray, np.ndarray, float]:
     """`labels_behind` of the template's front from the folds' belly to the collar bones."""
     regions = ("breast_L", "breast_R", "areola_L", "areola_R", "chest", "belly")
     shown = np.unique(np.concatenate([rig.regions[name] for name in regions]))
     front = shown[rig.normals_at(rig.template)[shown, 2] > 0.2]
-    return *labels_behind(rig.template[front], lesion, radius), 2.0
+    return *labels_behind(rig.template[front], lesion, radius, size), size
 
 
 def labels_behind(

@@ -43,7 +43,7 @@ def scan_of_front() -> Scan:
 def map_of_front(turn: np.ndarray, codes: str = "LPS", around_mm: tuple[float, float] = (60.0, 60.0)) -> bytes:
     """NIfTI of the template's front around its breasts, turned in the scanner, stored in any order of voxels."""
     at = places()
-    labels, low, size = front_labels(RIG, LESION, 8.0)
+    labels, low, size = front_labels(RIG, LESION, 8.0, 3.0)
     middle = 0.5 * (at["nipple_L"] + at["nipple_R"])[2]
     kept = slice(*(int((middle + each - low[2]) / size) for each in (-around_mm[0], around_mm[1])))
     labels, low = labels[:, :, kept], low + np.array([0.0, 0.0, kept.start * size])
