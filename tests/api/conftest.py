@@ -4,6 +4,7 @@ import io
 import json
 import os
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,12 @@ from helpers import fake_fit, fake_proposals
 from helpers.remembered_uploads import remembering_uploads
 from helpers.toy_rig import toy_rig
 from helpers.uploads import torso as torso_ply
+from werkzeug.security import generate_password_hash
 from werkzeug.test import TestResponse
 
 from breastrig.api.app import create_app
 from breastrig.api.config import Config
+from breastrig.api.routes.shares import shares
 from breastrig.execution.limits import FitLimits
 from breastrig.service.service import Service
 from breastrig.storage.storage import Storage
@@ -37,6 +40,14 @@ class Client(FlaskClient):
 @pytest.fixture(scope="module", autouse=True)
 def no_upload_read_twice() -> Iterator[None]:
     with remembering_uploads():
+        yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick_passcodes() -> Iterator[None]:
+    """Hashes of passcodes with little work, by which they are checked as well."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shares, "generate_password_hash", partial(generate_password_hash, method="scrypt:256:8:1"))
         yield
 
 

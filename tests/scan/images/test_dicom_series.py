@@ -182,8 +182,9 @@ def test_two_phases_of_one_series_never_interleave(told_by: str) -> None:
 
     later = replace(chest_image(), values=chest_image().values + 1000)
     content = files(Series(chest_image(), change=phase(1)), Series(later, change=phase(2)))
-    first, second = choices(content)
-    assert "volume 1 of 2 of this series" in choices(content)[first]
+    asked = choices(content)
+    first, second = asked
+    assert "volume 1 of 2 of this series" in asked[first]
     check(read(content, first))
     check(read(content, second), values=later.values)
 
@@ -279,7 +280,8 @@ def test_bits_beside_the_stored_ones_are_no_pixels() -> None:
 
 def test_damaged_files_are_left_out_and_said() -> None:
     content = files(Series(chest_image()))
-    (name,) = [name for name, data in content.items() if data == file_of(slices(Series(chest_image()))[20])]
+    one = file_of(slices(Series(chest_image()))[20])
+    (name,) = [name for name, data in content.items() if data == one]
     image = read(content | {name: content[name][:-3000]})
     assert image.notes == (
         "A slice is missing between others; the mean of the neighbours was taken there.",
