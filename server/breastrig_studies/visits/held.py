@@ -113,16 +113,16 @@ def scored(before: Before, folder: Path, way: str) -> Pair:
     at = np.flatnonzero(np.isfinite(found.along))
     true = before.true_change(at, after["after"])
     at, true = at[np.isfinite(true)], true[np.isfinite(true)]
-    along, half, said, sigma = (each[at] for each in (found.along, found.half, found.said, found.deviation))
+    along, said, half, spread = found.along[at], found.said[at], found.half, found.alignment.spread
     still, off = np.abs(true) < STILL, np.abs(along - true)
     kind, side, ml, mm, capture = after["change"]
     numbers = {
         "ml": float(ml), "mm": float(mm), "capture": f"{before.truth['change'][4]} {capture}",
-        "half_mm": 1e3 * float(np.median(half)),
+        "half_mm": 1e3 * half,
         "error_mm": 1e3 * float(np.quantile(off, LEVEL)),
         "held": float(np.mean(off <= half)),
         "false": float(said[still].mean()) if still.sum() > 50 else None,
-        "score": float(np.quantile(off[still] / sigma[still], LEVEL)) if still.sum() > 50 else None,
+        "score": float(np.quantile(off[still] / spread, LEVEL)) if still.sum() > 50 else None,
     }  # fmt: skip
     for low, high in pairwise(BINS):
         of = (np.abs(true) >= 1e-3 * low) & (np.abs(true) < 1e-3 * high)

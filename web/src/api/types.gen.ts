@@ -152,7 +152,7 @@ export type ChangeMap = {
 export type ChangeOfSide = {
   /** of its skin, that both scans show */
   seen_share: number | null;
-  /** within which nothing is said, median */
+  /** within which nothing is said */
   half_band_mm: number | null;
   /** of the seen skin, that changed by more than its band */
   said_share: number | null;

@@ -59,7 +59,7 @@ class ChangeOfSide(Wire):
     """What the map says of one breast."""
 
     seen_share: float | None = Field(description="of its skin, that both scans show")
-    half_band_mm: float | None = Field(description="within which nothing is said, median")
+    half_band_mm: float | None = Field(description="within which nothing is said")
     said_share: float | None = Field(description="of the seen skin, that changed by more than its band")
     largest_mm: float | None = Field(description="change outwards; null: none is said")
 

@@ -1,8 +1,7 @@
 """The rigid motion between two visits, by skin that an operation of the breast leaves alone.
 
 Vertices of the trunk around the breasts that both scans show are laid on each other: along the normal as closely
-as scans agree, along the skin loosely, as a fit's vertices slide there.  Tukey's biweight leaves out what moved.  The
-error of the motion is a sandwich estimate over patches (Liang and Zeger 1986), because neighbours are wrong together.
+as scans agree, along the skin loosely, as a fit's vertices slide there.  Tukey's biweight leaves out what moved.
 """
 
 from dataclasses import dataclass
@@ -25,7 +24,6 @@ TUKEY = 4.685  # times the spread, beyond which a vertex does not count
 OF_MAD = 1.4826  # from the median of absolute deviations to a standard deviation
 ALONG = 0.010  # m, standard deviation of a vertex along the skin between two fits
 LEAST = 0.0005  # m, spread below which nothing is believed
-PATCH = 0.06  # m, of skin that is wrong together
 NEAR = 0.06  # m from the breasts of the template: farther skin bends and breathes another way (docs/decisions/0042)
 FEWEST = 100  # vertices without which nothing is aligned
 
@@ -36,18 +34,11 @@ class Alignment:
 
     rotation: Array  # (3, 3)
     translation: Array  # (3,) m
-    middle: Array  # (3,) m, about which `covariance` turns
-    covariance: Array  # (6, 6) of a turn (rad) and a shift (m)
     spread: float  # m, robust standard deviation along the normal of skin that nobody touched
 
     def moved(self, points: Array) -> Array:
         """(M, 3) m of the later scan, in the earlier one's frame."""
         return np.asarray(points @ self.rotation.T + self.translation)
-
-    def variance(self, points: Array, directions: Array) -> Array:
-        """(M,) m² of the motion's error at (M, 3) m points along (M, 3) unit directions."""
-        slopes = np.concatenate([np.cross(points - self.middle, directions), directions], axis=1)
-        return np.asarray(np.einsum("vi,ij,vj->v", slopes, self.covariance, slopes))
 
 
 @lru_cache(maxsize=8)
@@ -90,15 +81,10 @@ def laid(points: Array, normals: Array, theirs: Array, later: ClosestPointSearch
         weight = np.maximum(1.0 - (off[:, 0] / (TUKEY * spread)) ** 2, 0.0) ** 2
         width = np.array([spread, ALONG, ALONG])
         rows = slopes / width[:, None]
-        each = weight[:, None] * np.einsum("nkj,nk->nj", rows, off / width)
         normal = np.einsum("n,nkj,nkl->jl", weight, rows, rows)
-        step = -np.linalg.solve(normal, each.sum(axis=0))
+        step = -np.linalg.solve(normal, np.einsum("n,nkj,nk->j", weight, rows, off / width))
         turn = Rotation.from_rotvec(step[:3]).as_matrix()
         rotation, translation = turn @ rotation, turn @ (translation - middle) + middle + step[3:]
         if np.abs(step).max() < 1e-6:
             break
-    _, patch = np.unique(np.floor(points / PATCH).astype(np.int64), axis=0, return_inverse=True)
-    sums = np.stack([np.bincount(patch.ravel(), column) for column in each.T], axis=1)
-    inverse, count = np.linalg.inv(normal), len(sums)
-    covariance = inverse @ (sums.T @ sums) @ inverse * count / max(count - 6, 1)
-    return Alignment(rotation, translation, middle, covariance, spread)
+    return Alignment(rotation, translation, spread)

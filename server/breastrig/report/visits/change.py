@@ -1,8 +1,8 @@
 """The signed change of the skin of both breasts between two visits, along the normal, and of their volumes.
 
 From each vertex of the earlier fit the way along its normal to the later fit's skin, so that it does not matter how
-vertices slide along the skin.  The band of a point is what untouched skin differs by between these two scans, with the
-error of their alignment there; factors of both were measured on bodies of known change (docs/decisions/0042).
+vertices slide along the skin.  The band follows from what untouched skin differs by between these two scans, by factors
+that were measured on bodies of known change (docs/decisions/0042).
 """
 
 from dataclasses import dataclass
@@ -31,14 +31,11 @@ MET = 0.002  # m, from where a ray ends to the skin
 
 
 class VisitCalibration(SettingsPart):
-    """visits.toml: 90 % errors between two visits in one stance.
+    """visits.toml: 90 % errors between two visits in one stance."""
 
-    The deviation of a point is the spread of untouched skin and the alignment's standard deviation there, as squares.
-    """
-
-    points: Positive  # of half the band of a point, in deviations
+    points: Positive  # of half the band of a point, in spreads of untouched skin
     least: NotNegative  # m of that half
-    volume: Positive  # of half the band of a volume over its skin's area, in mean deviations
+    volume: Positive  # of half the band of a volume over its skin's area, likewise
     lengths: Positive  # of the band of a length's change, in those that both fits state
     shape: NotNegative  # m, half the band of shape symmetry
 
@@ -57,8 +54,7 @@ class Change:
     alignment: Alignment
     normals: Array  # (V, 3) of the earlier skin
     along: Array  # (V,) m outwards; nan off the breasts and where a scan shows no skin
-    deviation: Array  # (V,) m, of an unchanged point along the normal
-    half: Array  # (V,) m, half the 90 % band; within it nothing is said
+    half: float  # m, half the 90 % band; within it nothing is said
 
     @property
     def said(self) -> Booleans:
@@ -79,7 +75,7 @@ class Change:
         moved[inside] += self.along[nearest, None] * self.normals[inside]
         gained = enclosed_volume(moved, rig.faces) - enclosed_volume(vertices, rig.faces)
         area = float(face_areas(vertices, rig.faces[inside[rig.faces].all(axis=1)]).sum())
-        half = calibration.volume * area * float(self.deviation[inside].mean())
+        half = calibration.volume * area * self.alignment.spread
         return Value(*(1e6 * each for each in (gained, gained - half, gained + half)))
 
 
@@ -95,9 +91,7 @@ def change_between(earlier: Stance, later: Stance) -> Change:
     way, faces = way_to(earlier.vertices[members], normals[members], later.search, alignment)
     along = np.full(len(normals), np.nan)
     along[members] = np.where(np.isfinite(later.distances)[rig.faces[faces]].all(axis=1), way, np.nan)
-    deviation = np.sqrt(alignment.spread**2 + alignment.variance(earlier.vertices, normals))
-    half = np.maximum(calibration.points * deviation, calibration.least)
-    return Change(earlier, alignment, normals, along, deviation, half)
+    return Change(earlier, alignment, normals, along, max(calibration.points * alignment.spread, calibration.least))
 
 
 def way_to(points: Array, normals: Array, later: ClosestPointSearch, alignment: Alignment) -> tuple[Array, Integers]:

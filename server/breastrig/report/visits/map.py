@@ -23,17 +23,18 @@ VIEWS = ("three_quarter_right", "front", "three_quarter")
 SIDE, BAR, TEXT, MARGIN = 420, 26, 15, 40  # pixels
 
 
-def change_colours(mm: Array, said: NDArray[np.bool_]) -> Array:
-    """(M, 3) sRGB of (M,) mm: blue where skin went in, orange where it came out, pale where nothing is `said`."""
+def change_colours(mm: Array, half: float) -> Array:
+    """(M, 3) sRGB of (M,) mm: blue where skin went in, orange where it came out, pale up to `half` mm, grey for nan."""
     share = FIRST + (1.0 - FIRST) * np.clip(np.abs(np.nan_to_num(mm)) / LARGEST_MM, 0.0, 1.0)[:, None]
-    ends = np.where((mm < 0.0)[:, None], LESS, MORE)
-    found = np.where(said[:, None], (1.0 - share) * WITHIN + share * ends, WITHIN)
-    return np.asarray(np.where(np.isnan(mm)[:, None], UNKNOWN, found))
+    found: Array = (1.0 - share) * WITHIN + share * np.where((mm < 0.0)[:, None], LESS, MORE)
+    found[np.abs(mm) <= half] = WITHIN
+    found[np.isnan(mm)] = UNKNOWN
+    return found
 
 
 def _colours(change: Change) -> Array:
     found, breasts = np.tile(BESIDE, (len(change.along), 1)), on_breasts(change.earlier.rig)
-    found[breasts] = change_colours(1e3 * change.along[breasts], change.said[breasts])
+    found[breasts] = change_colours(1e3 * change.along[breasts], 1e3 * change.half)
     return found
 
 
@@ -42,28 +43,27 @@ def _bytes(colours: Array) -> NDArray[np.uint8]:
 
 
 def change_glb(change: Change) -> bytes:
-    """The earlier fit's skin in its scan's frame, m; `extras` have each vertex's change and half band in mm."""
+    """The earlier fit's skin in its scan's frame, m; `extras` have each vertex's change and half its band in mm."""
     mm = [None if np.isnan(each) else round(1e3 * float(each), 2) for each in change.along]
     extras: dict[str, Any] = {
         "notice": LIMITS_OF_USE,
         "change_mm": mm,
-        "half_band_mm": np.round(1e3 * change.half, 2).tolist(),
+        "half_band_mm": round(1e3 * change.half, 2),
         "colours": f"blue: in, orange: out, full at {LARGEST_MM:.0f} mm; pale: within the band; grey: not seen",
     }
     return mesh_glb(change.earlier.vertices, change.earlier.rig.faces, colours=_bytes(_colours(change)), extras=extras)
 
 
 def change_ply(change: Change) -> bytes:
-    """The same with colours and the properties change_mm (nan: not known) and half_band_mm of each vertex; metres."""
+    """The same, with the property change_mm (nan: not known) of each vertex."""
     import trimesh  # slow to load
 
-    values = {"change_mm": change.along, "half_band_mm": change.half}
-    single = {name: (1e3 * metres).astype(np.float32) for name, metres in values.items()}
-    skin, colours = change.earlier, _bytes(_colours(change))
-    mesh = trimesh.Trimesh(
-        skin.vertices, skin.rig.faces, vertex_colors=colours, vertex_attributes=single, process=False
+    mesh = trimesh.Trimesh(change.earlier.vertices, change.earlier.rig.faces, process=False)
+    mesh.visual.vertex_colors = _bytes(_colours(change))
+    mesh.vertex_attributes["change_mm"] = (1e3 * change.along).astype(np.float32)
+    about = (
+        f"comment {LIMITS_OF_USE}\ncomment unit: m, frame: the earlier scan's, half a band: {1e3 * change.half:.2f} mm"
     )
-    about = f"comment {LIMITS_OF_USE}\ncomment unit: m, frame: the earlier scan's"
     return bytes(mesh.export(file_type="ply")).replace(b"comment https://github.com/mikedh/trimesh", about.encode(), 1)
 
 
@@ -71,9 +71,9 @@ def change_png(change: Change) -> bytes:
     """Three views side by side over the colours' bar with its numbers."""
     scene = Scene([Layer(change.earlier.vertices, change.earlier.rig.faces, _colours(change))])
     views = [scene.render(view, (SIDE, SIDE)) for view in views_of(change.earlier, VIEWS, 1.0)]
-    across, half = len(views) * SIDE, 1e3 * float(np.nanmedian(change.half[on_breasts(change.earlier.rig)]))
+    across = len(views) * SIDE
     mm = np.linspace(-LARGEST_MM, LARGEST_MM, across - 2 * MARGIN)
-    bar = np.tile(_bytes(change_colours(mm, np.abs(mm) > half)), (BAR, 1, 1))
+    bar = np.tile(_bytes(change_colours(mm, 1e3 * change.half)), (BAR, 1, 1))
     sheet = Image.new("RGB", (across, SIDE + BAR + 2 * TEXT), "white")
     sheet.paste(Image.fromarray(np.concatenate(views, axis=1)))
     sheet.paste(Image.fromarray(bar), (MARGIN, SIDE))

@@ -81,7 +81,7 @@ def changed_rows(before: Sequence[Row], after: Sequence[Row], change: Change | N
         if row.measure == "volume":
             left, right = (None if change is None else change.volume(side) for side in SIDES)
             row = replace(row, left=left, right=right, method=OVER_VISITS, between=None, vague=(), not_known=())
-        elif known is not None and row.unit == "mm":
+        elif known is not None and row.unit == "mm" and row.measure != SHAPE:
             between = None if row.between is None else known.lengths * row.between
             row = replace(row.with_values(partial(_wider, times=known.lengths)), between=between)
         found.append(row)
@@ -103,7 +103,7 @@ def _map(change: Change) -> dict[str, Any]:
         most = said[np.abs(change.along[said]).argmax()] if len(said) else None
         found[name] = {
             "seen_share": None if inside is None else round(len(seen) / int(inside.sum()), 3),
-            "half_band_mm": round(1e3 * float(np.median(change.half[seen])), 2) if len(seen) else None,
+            "half_band_mm": round(1e3 * change.half, 2) if len(seen) else None,
             "said_share": round(len(said) / len(seen), 3) if len(seen) else None,
             "largest_mm": None if most is None else round(1e3 * float(change.along[most]), 1),
         }

@@ -19,7 +19,7 @@ from breastrig.report.visits.change import SEEN, visit_calibration, way_to
 from breastrig.report.volume import seen_share, vertices_within
 
 VOLUME, SHAPE = "volume_symmetry", "shape_symmetry"
-STAYS = Alignment(np.eye(3), np.zeros(3), np.zeros(3), np.zeros((6, 6)), 0.0)
+STAYS = Alignment(np.eye(3), np.zeros(3), 0.0)
 
 
 def symmetry_rows(stance: Stance, rows: tuple[Row, ...]) -> list[Row]:
