@@ -111,7 +111,7 @@ def test_a_fit_replaces_an_earlier_one_and_nothing_else(
 ) -> None:
     out = tmp_path / "out"
     shutil.copytree(fits / "standing", out)
-    command = ["fit", str(EXAMPLE / "supine" / "scan.ply"), "--drawing", "none", "-o", str(out)]
+    command = ["fit", str(EXAMPLE / "supine" / "scan.ply"), "--drawing", "none", "--no-refine", "-o", str(out)]
     (out / "notes.txt").write_text("mine")
     assert main(command) == 0
     assert json.loads((out / "result.json").read_text())["stance"] == "supine"

@@ -58,7 +58,9 @@ def test_it_is_proposed_and_kept_with_the_scan(position: str, stance: str | None
 def test_a_fit_in_another_position_says_so(tmp_path: Path) -> None:
     rig = walled_patient(tmp_path)
     given = {"scan": image(rig, position="HFS"), "landmarks": tmp_path / "prone.json"}
-    fit = breastrig.fit(breastrig.read_scan(given["scan"]), given["landmarks"], stance="prone")
+    fit = breastrig.fit(
+        breastrig.read_scan(given["scan"]), given["landmarks"], stance="prone", drawing=None, refine=False
+    )
     assert fit.stance == "prone"
     said = "The image's header says that the patient lies supine; this fit is prone. Check which is true."
     assert said in fit.notes
