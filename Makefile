@@ -117,8 +117,8 @@ sbom: $(VENV)/.stamp-release
 audit: $(VENV)/.stamp-release
 	@[ -f dist/wheelhouse/requirements.txt ] || { echo "error: make wheelhouse first" >&2; exit 2; }
 	@grep -v "^breastrig==" dist/wheelhouse/requirements.txt > dist/audited.txt
-	@"$(VENV)/bin/pip-audit" --requirement dist/audited.txt --disable-pip --require-hashes --progress-spinner off || \
-	    { echo "error: pip-audit found a hole, or no network: its last line says which" >&2; exit 1; }
+	@"$(VENV)/bin/pip-audit" --requirement dist/audited.txt --disable-pip --require-hashes --strict --progress-spinner off || \
+	    { echo "error: pip-audit found a hole, or could not ask of each component: its last line says which" >&2; exit 1; }
 
 clean:
 	rm -rf "$(VENV)" web/node_modules web/dist dist .mypy_cache .ruff_cache .hypothesis
