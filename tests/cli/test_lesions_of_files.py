@@ -27,14 +27,16 @@ def lesions_of(folder: Path) -> list[str]:
 @pytest.mark.usefixtures("batch_here")
 def test_a_fit_and_a_row_of_a_batch_have_them(image: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
-    words = ["fit", str(image), "--landmarks", str(LANDMARKS), "-o", str(out), "--no-progress"]
+    words = ["fit", str(image), "--landmarks", str(LANDMARKS), "-o", str(out), "--no-refine"]
     assert main([*words, "--lesions", str(LESIONS), str(LESIONS), "--segment", "3=tissue"]) == 0
     assert lesions_of(out) == ["Lesion 1"]
     assert "segment 2: lesion (Lesion 1" in capsys.readouterr().err
     assert main([*words, "--lesions", str(tmp_path / "none"), "--force"]) == 2
     assert "no scan file" in capsys.readouterr().err
     (tmp_path / "lesions of hers.nii.gz").write_bytes(LESIONS.read_bytes())
-    rows = f"scan,landmarks,lesions,segments\nmri.zip,{LANDMARKS},lesions of hers.nii.gz | {LESIONS},3=tissue\n"
+    rows = (
+        f"scan,landmarks,lesions,segments,refine\nmri.zip,{LANDMARKS},lesions of hers.nii.gz | {LESIONS},3=tissue,no\n"
+    )
     (tmp_path / "table.csv").write_text(rows)
     batch = tmp_path / "batch"
     assert main(["batch", str(tmp_path / "table.csv"), "-o", str(batch), "--jobs", "1"]) == 0
@@ -52,7 +54,7 @@ def test_a_folder_with_the_lesion_of_another_file(
     zipfile.ZipFile(image).extractall("mri")
     Path("lesion.dcm").write_bytes(example_segmentation("another"))
     Path("nipples.json").write_bytes(LANDMARKS.read_bytes())
-    words = ["fit", "mri/", "--lesions", "lesion.dcm", "--landmarks", "nipples.json", "-o", "prone/", "--no-progress"]
+    words = ["fit", "mri/", "--lesions", "lesion.dcm", "--landmarks", "nipples.json", "-o", "prone/", "--no-refine"]
     assert main(words) == 2
     assert "another frame of reference" in (said := capsys.readouterr().err)
     assert "--same-place yes" in said
