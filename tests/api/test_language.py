@@ -83,3 +83,11 @@ def test_labels_are_german_and_names_are_not() -> None:
     assert json.loads(event_said(json.dumps(english).encode(), "de")) == german
     verdict = json.dumps({"verdict": {"about": ["left"]}}).encode()  # what a program reads
     assert json.loads(event_said(verdict, "de")) == json.loads(verdict)
+
+
+def test_what_people_and_files_call_things_stays_as_it_is() -> None:
+    line = {"kind": "line", "name": "left", "label": "left"}
+    segment = {"number": 2, "name": "Tissue 1", "label": "left breast", "why": "It is the largest segment."}
+    english = {"items": [line], "shapes": [{"name": "left", "label": "left"}], "segments": [segment]}
+    german = english | {"segments": [segment | {"name": "Gewebe 1", "why": "Es ist das größte Segment."}]}
+    assert json.loads(event_said(json.dumps(english).encode(), "de")) == german

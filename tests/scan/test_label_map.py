@@ -49,7 +49,7 @@ def test_the_skin_and_the_lesion_lie_where_they_are(turned: bool, packed: bool) 
     (lesion,) = scan.lesions  # the gland is none
     assert 1e3 * lesion.center == pytest.approx(LESION, abs=0.2)
     assert 1e3 * lesion.radius == pytest.approx(RADIUS, abs=0.1)
-    said = "Segment 2 of the file was taken for a lesion (Lesion 1, 16 mm across): it is small, compact and inside"
+    said = "Segment 2 of the file was taken for a lesion (Lesion 1, 16 mm across). It is small, compact and inside"
     assert any(note.startswith(said) for note in scan.notes)
     assert [(each.number, each.taken_as) for each in scan.segments] == [(1, "tissue"), (2, "lesion"), (3, "tissue")]
 

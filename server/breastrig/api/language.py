@@ -17,9 +17,13 @@ FIELDS = frozenset(  # of answers and events, that hold sentences or labels of o
         "detail", "message", "problem", "reason", "reasons", "says", "doubts", "notes", "notice", "limit",
         "label", "parameters.about", "definition", "not_proposed.*", "unit_reason", "size_doubt", "stance_reason",
         "stop_reason", "method", "said.*", "choices.text", "clock.text", "radiology.text", "changes.missing",
+        "segments.why", "segments.name",
     }
 )  # fmt: skip
-TYPED = (".label", "scans.label", "visits.label")  # the name of a visit, as a person has typed it
+TYPED = {  # as people have typed it, or as their file has it
+    *(".label", "scans.label", "visits.label"),  # the name of a visit
+    *("items.label", "shapes.label", "segments.label"),
+}
 NAMES = frozenset(field.partition(".")[0 if field.endswith("*") else 2] or field for field in FIELDS)
 TYPES = ("application/json", "application/problem+json")
 

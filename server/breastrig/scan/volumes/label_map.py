@@ -58,8 +58,7 @@ def said_of(segments: tuple[TakenSegment, ...]) -> list[str]:
     for each in named:
         across = "" if each.radius_mm is None else f", {2 * each.radius_mm:.0f} mm across"
         what = {"lesion": "taken for a lesion", "tissue": "taken for tissue", "unused": "left out"}[each.taken_as]
-        why = each.why[:1].lower() + each.why[1:]
-        notes.append(f"Segment {each.number} of the file was {what} ({each.name}{across}): {why}")
+        notes.append(f"Segment {each.number} of the file was {what} ({each.name}{across}). {each.why}")
     if len(named) < len(segments):
         notes.append(f"{'The other' if named else 'All'} {len(segments) - len(named)} segments were taken for tissue.")
     return notes

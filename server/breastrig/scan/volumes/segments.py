@@ -103,7 +103,11 @@ def taken_segments(
         what, why, parts = _decided(each, said, body, cell, steps, is_largest, is_looked_at, is_only)
         work -= size if parts is not None else 0
         count[what] += 1
-        name = f"{what.capitalize()} {count[what]}"
+        name = {
+            "lesion": f"Lesion {count[what]}",
+            "tissue": f"Tissue {count[what]}",
+            "unused": f"Unused {count[what]}",
+        }[what]
         radius = max((part.radius for part in parts or ()), default=None) if what == "lesion" else None
         taken.append(TakenSegment(each.number, name, what, why, radius, each.label))
         for number, part in enumerate(parts or () if what == "lesion" else (), 1):
