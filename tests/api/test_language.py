@@ -91,3 +91,18 @@ def test_what_people_and_files_call_things_stays_as_it_is() -> None:
     english = {"items": [line], "shapes": [{"name": "left", "label": "left"}], "segments": [segment]}
     german = english | {"segments": [segment | {"name": "Gewebe 1", "why": "Es ist das größte Segment."}]}
     assert json.loads(event_said(json.dumps(english).encode(), "de")) == german
+
+
+def test_a_plan_that_was_read_in_german_can_be_replaced(client: FlaskClient, scan_id: str) -> None:
+    plan = client.get(f"/api/scans/{scan_id}").json["links"]["plan"]  # type: ignore[index]
+    client.set_cookie("breastrig_language", "de")
+    line = {"id": "a", "kind": "line", "scan": scan_id, "name": "left", "label": "left"}
+    items = [line | {"points": [[0, 300, 130], [20, 300, 128]]}]
+    tag = '"0"'
+    for after in ("", "-de"):  # as it is, and as an answer that says something of ours has it
+        put = client.put(plan, json={"items": items}, headers={"If-Match": f'{tag[:-1]}{after}"'})
+        assert put.status_code == 200, put.json
+        read = client.get(plan)
+        assert [item["label"] for item in read.json["items"]] == ["left"]  # type: ignore[index]
+        tag = read.headers["ETag"]
+    assert tag == client.get(plan, headers={"Cookie": "breastrig_language=en"}).headers["ETag"]

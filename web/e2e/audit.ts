@@ -92,7 +92,8 @@ export function overlaps(page: Page): Promise<string[]> {
     const root = document.querySelector("dialog[open]") ?? document.body;
     const name = (each: Element): string => (each.getAttribute("aria-label") ?? each.textContent).trim().slice(0, 40) || each.className;
     const shown = [...root.querySelectorAll<HTMLElement>("button, a[href], input:not([type=file]), select, summary")].flatMap((each) => {
-      if (!each.checkVisibility({ visibilityProperty: true, opacityProperty: true }) || each.matches("[aria-hidden=true] *")) return [];
+      // What is not drawn, as it is far below the screen, has no places yet.
+      if (!each.checkVisibility({ visibilityProperty: true, opacityProperty: true, contentVisibilityAuto: true }) || each.matches("[aria-hidden=true] *")) return [];
       const box = each.getBoundingClientRect();
       const holder = each.closest(".side-scroll, .strip, .share-list, .measures-scroll")?.getBoundingClientRect();
       const isScrolledAway = holder && (box.bottom > holder.bottom || box.top < holder.top);

@@ -39,10 +39,12 @@ def register_language(app: Flask) -> None:
 
 
 def event_said(utf8: bytes, language: str) -> bytes:
-    """An event's or an answer's JSON in the language; the same bytes where it holds no such field."""
+    """An event's or an answer's JSON in the language; the same bytes where that says nothing else."""
     if language == ENGLISH or not any(b'"%b"' % field.encode() in utf8 for field in NAMES):
         return utf8
-    return json.dumps(document_said(json.loads(utf8), language, _is_field), separators=(",", ":")).encode()
+    document = json.loads(utf8)
+    found = document_said(document, language, _is_field)
+    return utf8 if found == document else json.dumps(found, separators=(",", ":")).encode()
 
 
 def in_language(response: Response) -> Response:

@@ -5,6 +5,7 @@ Landmarks are always millimetres in the scan's own frame; everything else in spa
 description says so.
 """
 
+import re
 from typing import Annotated, Any, Literal, Self
 from urllib.parse import urlencode
 
@@ -13,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from breastrig.core.stances import Stance as OneStance
 from breastrig.drawings.drawing_schema import SCHEMA, SHAPES, Colour, DrawnShape, LineUnit, SurfacePoint
+from breastrig.languages.catalogue import LANGUAGES
 from breastrig.scan.true_size import IN_SIZE, LONGEST, Scale
 from breastrig.scan.volumes.answers import MOST_CHARACTERS
 from breastrig.use.steps.events import FitEvent, IterationNumbers, NodePose
@@ -86,8 +88,9 @@ class IfMatch(Headers):
 
     @property
     def tag(self) -> str | None:
-        """The text within the quotes."""
-        return None if self.if_match is None else self.if_match.strip().removeprefix("W/").strip('"')
+        """The text within the quotes, without the language of the answer that had it."""
+        given = None if self.if_match is None else self.if_match.strip().removeprefix("W/").strip('"')
+        return given and re.sub(f"-({'|'.join(LANGUAGES)})$", "", given)
 
 
 SamePlace = Literal["yes", "no"]
