@@ -102,10 +102,10 @@ test("fingers turn, place, aim and zoom; both ways of holding a tablet have room
     }
   });
   await test.step("the patients, one of them with a card", async () => {
-    await page.route(/\/api\/patients\?/, async (route) => { // each with as many pictures as a card shows
+    await page.route(/\/api\/patients\?/, async (route) => { // each with as many pictures as a card shows, and a code as narrow as there is
       const answer = await route.fetch();
       const body = (await answer.json()) as PatientPage;
-      await route.fulfill({ response: answer, json: { ...body, patients: body.patients.map((one) => ({ ...one, scans: Array.from({ length: 4 }, () => one.scans[0]) })) } });
+      await route.fulfill({ response: answer, json: { ...body, patients: body.patients.map((one) => ({ ...one, code: "III-III", scans: Array.from({ length: 4 }, () => one.scans[0]) })) } });
     });
     for (const viewport of [{ width: 390, height: 844 }, { width: 1024, height: 768 }]) {
       await page.setViewportSize(viewport);
