@@ -82,6 +82,15 @@ def test_the_result_keeps_its_contract_and_its_accuracy(fitted: Path) -> None:
     assert result["stance"] == "standing"
 
 
+def test_a_stance_that_the_scan_does_not_show_is_said(fitted: Path, tmp_path: Path, monkeypatch, capsys) -> None:
+    reason = document(fitted, "result.json")["stance_reason"]
+    monkeypatch.setattr("breastrig.use.folder.fit_files.UNCLEAR", (reason,))
+    options = ["--landmarks", str(EXAMPLE / "landmarks.json"), "--drawing", "none", "-o", str(tmp_path / "out")]
+    assert main(["fit", str(EXAMPLE / "scan.ply"), *options]) == 0
+    assert document(tmp_path / "out", "result.json")["verdict"]["level"] == "good"
+    assert capsys.readouterr().err == f"breastrig: {reason}\n"
+
+
 def test_on_a_terminal_the_verdict_and_how_sure_it_is_come_before_any_distance(fitted: Path) -> None:
     result = json.loads((fitted / "result.json").read_text())
     sure = r"a good fit: drawn lines ± [5-9] mm, landmarks ± \d+ to \d+ mm"

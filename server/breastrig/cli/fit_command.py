@@ -146,6 +146,7 @@ def run(options: argparse.Namespace) -> int:
     result, verdict = fit.in_metres.result, fit.verdict
     said = [
         *result.notes,
+        *((result.stance_reason,) if result.stance_asked else ()),
         *(f"{LEVELS[verdict.level]}{reason}" for reason in verdict.reasons),
         *(sure_text(result, result.drawn_line_error_mm) for reason in verdict.reasons if WITH_MARGIN in reason),
         *(pick.reason for pick in result.landmarks_not_followed),
