@@ -71,3 +71,9 @@ def test_only_the_named_fields_of_a_document_are_said() -> None:
         "notes": [GONE_DE, {"text": GONE}],
         "held": {"text": GONE_DE},
     }
+
+
+def test_numbers_of_a_plan_on_both_sides_are_german_with_why_they_are_others() -> None:
+    text = "47.9 mm left, 41.4 mm right (asked for: 0 mm; a nipple is not moved down)"
+    german = "47,9 mm links, 41,4 mm rechts (verlangt: 0 mm; eine Mamille wird nicht nach unten versetzt)"
+    assert said(text, "de") == german

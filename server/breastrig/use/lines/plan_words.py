@@ -17,8 +17,12 @@ from breastrig.report.pages.names import plainly, spoken
 from breastrig.use.folder.fit_folder import FitFolder
 
 MIRRORED = "mirrored from the other side"
-REASONS = {"nipple_above_fold_mm": "; a nipple is not moved down", "width_mm": "; the skin bends between the limbs"}
+REASONS = {"nipple_above_fold_mm": "a nipple is not moved down", "width_mm": "the skin bends between the limbs"}
 UNITS = {"mm": " mm", "deg": "°"}
+OF_SIDE = {
+    "mm": {"L": "{:g} mm left", "R": "{:g} mm right"},
+    "deg": {"L": "{:g}° left", "R": "{:g}° right"},
+}
 
 NOT_DRAWN = "Not drawn: "
 
@@ -109,13 +113,14 @@ def _said(parameter: PatternParameter, asked: float | str | None, drawn: Mapping
     if asked is not None and not differs(asked, values, parameter.unit):
         return _value(parameter, asked)
     if differs(values[0], values, parameter.unit):
-        text = ", ".join(f"{_value(parameter, round(value, 1))} {SIDES[side]}" for side, value in drawn.items())
+        words = OF_SIDE.get(parameter.unit, {"L": "{:g} left", "R": "{:g} right"})
+        text = ", ".join(words[side].format(round(value, 1)) for side, value in drawn.items())
     else:
         text = _value(parameter, round(sum(values) / len(values), 1))
     if asked is None:
         return text
-    why = REASONS.get(parameter.name, "")
-    return f"{text} (asked for: {_value(parameter, asked)}{why})"
+    wish, why = _value(parameter, asked), REASONS.get(parameter.name, "")
+    return f"{text} (asked for: {wish}; {why})" if why else f"{text} (asked for: {wish})"
 
 
 def _value(parameter: PatternParameter, value: float | str | None) -> str:
