@@ -113,14 +113,18 @@ def _said(parameter: PatternParameter, asked: float | str | None, drawn: Mapping
     if asked is not None and not differs(asked, values, parameter.unit):
         return _value(parameter, asked)
     if differs(values[0], values, parameter.unit):
-        words = OF_SIDE.get(parameter.unit, {"L": "{:g} left", "R": "{:g} right"})
-        text = ", ".join(words[side].format(round(value, 1)) for side, value in drawn.items())
+        text = ", ".join(_of_side(parameter, round(value, 1), side) for side, value in drawn.items())
     else:
         text = _value(parameter, round(sum(values) / len(values), 1))
     if asked is None:
         return text
     wish, why = _value(parameter, asked), REASONS.get(parameter.name, "")
     return f"{text} (asked for: {wish}; {why})" if why else f"{text} (asked for: {wish})"
+
+
+def _of_side(parameter: PatternParameter, value: float, side: str) -> str:
+    said = OF_SIDE.get(parameter.unit)
+    return said[side].format(value) if said else f"{_value(parameter, value)} {SIDES[side]}"
 
 
 def _value(parameter: PatternParameter, value: float | str | None) -> str:
