@@ -78,7 +78,21 @@ test("dropped together: image, lesion and scans become one patient, the lesion i
 
   await test.step("what radiology wrote beside its place: a contradiction is red, the place as it writes it is not", async () => {
     const written = page.getByRole("textbox", { name: "What radiology wrote" });
-    await written.fill("right, 6 o'clock");
+    await test.step("what the service says of the plan meanwhile takes no word that is being typed", async () => {
+      let release!: () => void;
+      const held = new Promise<void>((done) => (release = done));
+      await page.route(/\/plan\.json/, async (route) => held.then(() => route.continue()));
+      const isAsked = page.waitForRequest(/\/plan\.json/);
+      const said = () => page.evaluate(() => window.__breastrig!.state().drawn.onScan?.plan.lesions[0]?.radiology?.text ?? null);
+      await written.fill("at 3");
+      await written.press("Enter");
+      await isAsked;
+      await written.fill("right, 6 o'clock");
+      release();
+      await expect.poll(said).not.toBeNull();
+      await expect(written).toHaveValue("right, 6 o'clock");
+      await page.unroute(/\/plan\.json/);
+    });
     await written.press("Enter");
     await expect(page.locator(".lesion-contradicted")).toHaveText("Radiology wrote right; this lesion lies in the left breast.");
     await written.fill((await page.locator(".lesion-view dd", { hasText: /^left, / }).textContent())!);

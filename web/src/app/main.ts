@@ -8,6 +8,7 @@ import { followMarks } from "../stances/marksBeside";
 import type { Place } from "../store/page";
 import { messageOf, withProblem } from "../store/problems";
 import { createStore, only } from "../store/store";
+import { watchTyping } from "../ui/dom";
 import { createActions } from "./actions";
 import { followAddress } from "./followAddress";
 import { listenToKeys } from "./keyboard";
@@ -27,6 +28,7 @@ const outbox = createOutbox(sessionStorage);
 const actions = createActions(store, client, prefersStill, outbox);
 const dismiss = (place: Place): void => store.set((state) => withProblem(state, place, null));
 
+watchTyping();
 const page = createPage(actions, dismiss);
 document.body.append(...page.elements);
 page.follow(store);

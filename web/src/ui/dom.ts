@@ -29,12 +29,34 @@ export function show(element: HTMLElement, isShown: boolean): void {
   if (element.hidden === isShown) element.hidden = !isShown;
 }
 
-/** Replaces the children when `key` differs from the last one given for this element. */
+/** The field into which something was typed that nobody has heard of yet. */
+let typed: Element | null = null;
+const afterwards = new Map<Element, () => void>(); // what to fill as soon as that is said
+
+/** Replaces the children when `key` differs from the last one given for this element; while somebody types into one of them, afterwards. */
 export function fill(element: HTMLElement, key: unknown, make: () => Child[]): void {
+  afterwards.delete(element);
   const written = JSON.stringify(key);
   if (element.dataset.key === written) return;
+  if (typed && element.contains(typed)) {
+    afterwards.set(element, () => fill(element, key, make));
+    return;
+  }
   element.dataset.key = written;
   element.replaceChildren(...make().filter((child) => child !== null));
+}
+
+function typingEnds(): void {
+  typed = null;
+  for (const each of [...afterwards.values()]) each();
+}
+
+/** Once a page, so that nothing is lost of what is typed. */
+export function watchTyping(): void {
+  document.addEventListener("input", ({ target }) => (typed = target instanceof Element && target.matches("input:not([type=checkbox], [type=radio], [type=range], [type=file]), textarea") ? target : null), true);
+  document.addEventListener("change", () => (typed = null), true); // before who listens to the field: what it says is shown at once
+  document.addEventListener("change", typingEnds);
+  document.addEventListener("focusout", typingEnds);
 }
 
 const SVG = "http://www.w3.org/2000/svg";
