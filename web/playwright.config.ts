@@ -28,11 +28,11 @@ export default defineConfig({
   globalSetup: "./e2e/setup.ts",
   outputDir: "test-results",
   workers: 2, // files side by side at one service: half of a test is waiting for the browser's next frame or the service
-  retries: 0,
+  retries: 1, // a busy machine is no failure; what passes only then is called flaky at the end, and is to be mended
   forbidOnly: true,
   timeout: 600_000, // two tests share the machine, and machines differ by three times
   expect: { timeout: 120_000 },
-  reporter: "list",
+  reporter: [["list"], ["./e2e/failures.ts"]],
   metadata: { chromium }, // for tests of what only the whole browser has
   use: {
     browserName: "chromium",

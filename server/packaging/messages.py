@@ -335,7 +335,13 @@ def numbered(text: str) -> str:
 
 def words() -> dict[str, set[str]]:
     """The words of words.txt that something says."""
-    files = [*PACKAGE.rglob("*.py"), *PACKAGE.rglob("*.typ"), MODEL, *MODEL.parent.rglob("drawings/*.json")]
+    files = [
+        *PACKAGE.rglob("*.py"),
+        *PACKAGE.rglob("*.typ"),
+        *PACKAGE.rglob("*.html"),
+        MODEL,
+        *MODEL.parent.rglob("drawings/*.json"),
+    ]
     text = "\n".join([*(path.read_text("utf-8") for path in files), *PYDANTIC])
     text += text.replace("_", " ")  # names, as they are read out
     asked = (line for line in WORDS.read_text("utf-8").splitlines() if line and not line.startswith("# "))

@@ -4,6 +4,7 @@ import errno
 import io
 import json
 import os
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -133,6 +134,15 @@ def test_administrators_page_through_it_and_others_see_nothing(
     assert "All lines are as they were written." in page
     assert f"<code>{scan_id}</code>" in page
     assert "of_scans.replace_landmarks" in page
+    german = client.get(f"/api/audit/page?id={scan_id}", headers={"Accept-Language": "de"}).text
+    for part in (
+        'lang="de"',
+        "Alle Zeilen sind, wie sie geschrieben wurden.",
+        "<td>Änderung",
+        "Kennung eines Patienten",
+    ):
+        assert part in german, part
+    assert not re.search(r"\b(Line|When|Who|newest|Download|change|patient) ", german)
     monkeypatch.setattr(security, "current_person", lambda: Person("a-1", "Anna Arzt", Role.PLAN))
     for place in ("", "/check", "/log.jsonl", "/page"):
         assert client.get(f"/api/audit{place}").status_code == 403
@@ -160,12 +170,21 @@ def test_a_deletion_is_certified_to_who_deleted_and_to_administrators(
         patient,
         scan,
         "Anna Arzt (person:a-1)",
-        "1 scans, 0 fits, 0 links",
+        "scans: 1, fits: 0, links: 0",
         "are as they were written",
         "Backups",
     ):
         assert part in said, part
     assert client.get(f"/api/audit/deletions/{scan}/certificate.pdf").status_code == 200
+    german = text_of(client.get(place, headers={"Accept-Language": "de"}).data)
+    for part in (
+        "Bescheinigung einer Löschung",
+        "Verlangt von Anna Arzt (person:a-1), patients.remove_patient",
+        "Scans: 1, Anpassungen: 0, Links: 0, Dateien:",
+        "MB); was geplant war",
+        "sind, wie sie geschrieben wurden",
+    ):
+        assert part in german, (part, german)
     monkeypatch.setattr(audited, "current_person", lambda: bert)
     monkeypatch.setattr(administration, "current_person", lambda: bert)
     assert client.get(place).status_code == 403

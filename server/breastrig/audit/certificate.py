@@ -8,6 +8,8 @@ from breastrig.audit.deletions import left_of
 from breastrig.audit.read import check, deletions, lines_from
 from breastrig.cases.case_folder import utc_now
 from breastrig.core.errors import Conflict, NotFound
+from breastrig.languages.catalogue import ENGLISH
+from breastrig.languages.translation import Typed
 from breastrig.report.pages.typeset import typeset
 
 NONE = "The audit log has no deletion of this id; give the id of a patient or scan that was deleted."
@@ -21,9 +23,9 @@ class Certificate:
     said: tuple[str, ...]
     who: str
 
-    def pdf(self) -> bytes:
+    def pdf(self, language: str = ENGLISH) -> bytes:
         """One A4 page."""
-        return bytes(typeset("pages", "deletion.typ", {"rows": self.rows, "said": self.said}))
+        return bytes(typeset("pages", "deletion.typ", {"rows": self.rows, "said": self.said}, language))
 
 
 def certificate(root: Path, of: str) -> Certificate:
@@ -43,12 +45,17 @@ def certificate(root: Path, of: str) -> Certificate:
     done, checked = asked["done"], check(root)
     exports = [line for line in lines_from(root, of, before=asked["n"]) if line["what"] == "export"]
     who = f"{asked['name']} ({asked['who']})" if "name" in asked else asked["who"]
-    counts = ", ".join(f"{removes[each]} {each}" for each in ("scans", "fits", "links", "files"))
+    scans, fits, links, files = (removes[each] for each in ("scans", "fits", "links", "files"))
+    megabytes = removes["bytes"] / 1e6
     rows = (
-        ("Patient (random id)", ids["patient"] + ("" if removes["case"] else ", of whom other scans are kept")),
+        ("Patient (random id)", ids["patient"] if removes["case"] else f"{ids['patient']}, whose other scans are kept"),
         ("Scans (random ids)", ", ".join(removes["scan_ids"]) or "none"),
-        ("Removed", f"{counts}; {removes['bytes'] / 1e6:.1f} MB, and what was planned on these scans"),
-        ("Asked for", f"{asked['at']} (UTC), {who}, by {asked.get('how', '')}"),
+        (
+            "Removed",
+            f"scans: {scans}, fits: {fits}, links: {links}, files: {files} ({megabytes:.1f} MB); what was planned",
+        ),
+        ("Asked for", f"{asked['at']} (UTC)"),
+        ("Asked by", Typed(f"{who}, {asked.get('how', '')}")),
         ("Done", "its end was not recorded" if done is None else f"{done['at']} (UTC)"),
         ("Line of the audit log", f"{asked['n']}, SHA-256 {asked['sha256']}"),
         ("Line of its end", "none" if done is None else f"{done['n']}, SHA-256 {done['sha256']}"),

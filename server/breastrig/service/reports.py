@@ -97,9 +97,9 @@ class Reports:
             ("protocol", language), lambda: self._processes.result(protocol_pdf_of, (language,), WALL_S)
         )
 
-    def certificate(self, found: Certificate) -> bytes:
+    def certificate(self, found: Certificate, language: str = ENGLISH) -> bytes:
         """The certificate of a deletion, PDF."""
-        return self._processes.result(found.pdf, (), WALL_S)
+        return self._processes.result(found.pdf, (language,), WALL_S)
 
     def file_name(self, what: str, *fit_ids: str) -> str:
         """The name of a file of these fits: the patient's code, the stances, the day of the first scan, `what`."""

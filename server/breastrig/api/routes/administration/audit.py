@@ -1,5 +1,6 @@
 """The audit log, for administrators, and certificates of deletions, for whoever has deleted, too."""
 
+from functools import partial
 from itertools import islice
 
 from apiflask import APIBlueprint
@@ -10,10 +11,12 @@ from breastrig.api.access.person import Role, current_person
 from breastrig.api.answers import PDF, PERSONAL, bytes_answer, file_of
 from breastrig.api.app_context import service, storage
 from breastrig.api.errors import refuse
+from breastrig.api.language import current_language, in_language
 from breastrig.api.wire import audit as wire
 from breastrig.audit.certificate import certificate
 from breastrig.audit.log import AuditLog, log_files
 from breastrig.audit.read import check, deletions, lines_from, read_mark
+from breastrig.languages.translation import said
 
 LINES = "text/plain"
 
@@ -36,12 +39,15 @@ def list_lines(query_data: wire.AuditQuery) -> wire.AuditPage:
 @audit.get("/page")
 @audit.input(wire.AuditQuery, location="query")
 @audit.doc(hide=True)
-def show_page(query_data: wire.AuditQuery) -> str:
+def show_page(query_data: wire.AuditQuery) -> Response:
     """The log as a plain page, without script"""
     lines, older = _page(query_data)
     root, asked = storage.root, query_data.id
     deleted = bool(asked) and next(deletions(root, asked), None) is not None
-    return render_template("audit.html", lines=lines, older=older, checked=check(root), id=asked, deleted=deleted)
+    language = current_language()
+    shown = {"lines": lines, "older": older, "checked": check(root), "id": asked, "deleted": deleted}
+    html = render_template("audit.html", **shown, language=language, t=partial(said, language=language))
+    return in_language(Response(html, mimetype="text/html"))
 
 
 def _log() -> AuditLog:
@@ -96,6 +102,6 @@ def show_certificate(deleted_id: str) -> Response:
     found = certificate(_log().root, deleted_id)
     if found.who != who_asks() and not current_person().role.includes(Role.ADMINISTER):
         raise refuse(403, "A certificate is given to administrators, and to whoever has deleted the patient.")
-    response = bytes_answer(service.reports.certificate(found), PDF, PERSONAL)
+    response = in_language(bytes_answer(service.reports.certificate(found, current_language()), PDF, PERSONAL))
     response.headers["Content-Disposition"] = f"attachment; filename=deletion_{deleted_id}.pdf"
     return response
