@@ -1,5 +1,6 @@
 // Visits: two scans of one position get their days on the page, and what changed between them is said, drawn and plotted.
 import { expect } from "@playwright/test";
+import { seriousFindings } from "./audit";
 import { fittedExample, hook, test } from "./page";
 
 test("one scan brought twice, two days: nothing is said to have changed, and the plots follow the days", async ({ page, base, troubles }) => {
@@ -21,6 +22,28 @@ test("one scan brought twice, two days: nothing is said to have changed, and the
   expect(await width("img.visit-plots")).toBeGreaterThan(100);
   expect(await width("img.visit-map")).toBeGreaterThan(100);
   await page.screenshot({ path: test.info().outputPath("visits.png") });
+  await test.step("the map on the body: turned by hand and by keys, it says its numbers under the pointer", async () => {
+    await dialog.getByRole("button", { name: "Turn the body" }).click();
+    const body = dialog.getByRole("img", { name: /^Change of the skin on the body/ });
+    await expect(body).toBeFocused();
+    await expect(dialog.locator("img.visit-map")).toBeHidden();
+    const letter = dialog.locator(".letter.side-left");
+    const before = await letter.getAttribute("style");
+    await body.press("ArrowRight");
+    await expect(letter).not.toHaveAttribute("style", before!);
+    const box = (await body.boundingBox())!;
+    const said = dialog.locator(".hover-value");
+    const sees = async (x: number, y: number): Promise<string> => {
+      await page.mouse.move(box.x + x * box.width, box.y + y * box.height);
+      await expect(said).toBeVisible();
+      return (await said.textContent())!;
+    };
+    const places: string[] = [];
+    for (const x of [0.44, 0.47, 0.5, 0.53, 0.56]) places.push(await sees(x, 0.45));
+    expect(places.join(" | ")).toMatch(/[+−]?0\.\d mm ?within the band of \d\.\d mm/);
+    await page.screenshot({ path: test.info().outputPath("turned.png") });
+    expect.soft(await seriousFindings(page)).toEqual([]);
+  });
   const renamed = page.waitForResponse((answer) => answer.url().includes("/visits.svg"));
   await rows.nth(1).getByLabel("Name of the visit").fill("6 months");
   await rows.nth(1).getByLabel("Name of the visit").press("Tab");

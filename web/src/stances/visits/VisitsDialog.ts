@@ -5,11 +5,12 @@ import { capital, locale } from "../../languages/words";
 import type { ScanSlice } from "../../scan/state";
 import type { PageSlice } from "../../store/page";
 import { only } from "../../store/store";
-import { iconButton, problem } from "../../ui/controls";
+import { button, iconButton, problem } from "../../ui/controls";
 import { el, fill, icon, show } from "../../ui/dom";
 import type { Panel } from "../../ui/Panel";
 import { close as closeText } from "../../ui/text";
 import { formatFixed, formatSignedMm } from "../../ui/units";
+import { errors as viewErrors } from "../../viewer/text";
 import type { PatientScan, StancesSlice } from "../state";
 import type { VisitsActions } from "./actions";
 import * as text from "./text";
@@ -24,7 +25,15 @@ type Stance = VisitsFile["stances"][number];
 
 export function createVisitsDialog(actions: VisitsActions, dismiss: () => void): Panel<Shown> {
   const received = new Intl.DateTimeFormat(locale(), { dateStyle: "medium", timeStyle: "short" });
-  const close = (): void => actions.close();
+  const turned = new Map<HTMLElement, () => void>(); // bodies that are shown, and what takes them away
+  const leaveBodies = (): void => {
+    for (const leave of turned.values()) leave();
+    turned.clear();
+  };
+  const close = (): void => {
+    leaveBodies();
+    actions.close();
+  };
   const list = el("ul", { class: "visit-scans" });
   const asked = el("p", { class: "look-here" }, words.asked);
   const busy = el("p", { class: "muted", role: "status" }, words.busy);
@@ -53,6 +62,37 @@ export function createVisitsDialog(actions: VisitsActions, dismiss: () => void):
     return el("li", { "data-scan": id }, el("img", { src: thumbnail, alt: "", width: 48, height: 46 }), el("span", {}, `${capital(stance)}, ${received.format(new Date(created_at))}`), day, name);
   }
 
+  /** In place of its picture, the map on a body. */
+  async function turn(host: HTMLElement, picture: HTMLElement, asks: HTMLButtonElement, address: string, earlier: string): Promise<void> {
+    asks.disabled = true;
+    const found = await actions.change(address, earlier);
+    asks.disabled = false;
+    const isGone = (): boolean => !host.isConnected || !element.open;
+    if (!found || isGone()) return;
+    const { openChange } = await import("./ChangeView");
+    show(host, true);
+    try {
+      const leave = await openChange(host, found.glb, found.frame);
+      leaveBodies(); // one at a time
+      if (isGone()) {
+        leave();
+        return;
+      }
+      show(picture, false);
+      show(asks, false);
+      turned.set(host, () => {
+        leave();
+        show(host, false);
+        show(picture, true);
+        show(asks, true);
+      });
+      host.querySelector("canvas")?.focus();
+    } catch {
+      show(host, false);
+      wrong.set(viewErrors.noGraphics);
+    }
+  }
+
   return {
     element,
     select: only("problems", "scan", "stances"),
@@ -68,7 +108,10 @@ export function createVisitsDialog(actions: VisitsActions, dismiss: () => void):
       show(busy, isBusy);
       show(none, !isBusy && file?.stances.length === 0);
       const place = `/api/patients/${encodeURIComponent(state.scan?.info.patient ?? "")}`;
-      fill(shown, [place, file], () => (file?.stances ?? []).map((each) => stanceOf(each, place)));
+      fill(shown, [place, file], () => {
+        leaveBodies();
+        return (file?.stances ?? []).map((each) => stanceOf(each, place, turn));
+      });
     },
   };
 }
@@ -78,7 +121,17 @@ const called = ({ date, label }: Stance["visits"][number]): string => (label ===
 /** A part of pictures' addresses, so that no earlier one is shown for another day, name or fit. */
 let drawn = Date.now();
 
-function stanceOf(of: Stance, place: string): HTMLElement {
+type Turn = (host: HTMLElement, picture: HTMLElement, asks: HTMLButtonElement, address: string, earlier: string) => Promise<void>;
+
+function mapOf(earlier: string, pair: string, place: string, turn: Turn): HTMLElement[] {
+  const address = `${place}/change.glb?${pair}`;
+  const picture = el("img", { class: "visit-map", src: `${place}/change.png?${pair}&drawn=${drawn}`, alt: words.map, loading: "lazy" });
+  const host = el("div", { class: "visit-body", hidden: true });
+  const asks = button(words.turn, () => void turn(host, picture, asks, address, earlier), "outlined");
+  return [picture, host, el("p", { class: "muted small" }, words.colours), el("div", { class: "buttons-row" }, asks, el("a", { class: "button outlined", href: address, download: words.file }, icon("download"), el("span", {}, words.file)))];
+}
+
+function stanceOf(of: Stance, place: string, turn: Turn): HTMLElement {
   drawn += 1;
   return el(
     "section",
@@ -93,8 +146,7 @@ function stanceOf(of: Stance, place: string): HTMLElement {
         el("h3", {}, words.between(capital(of.stance), called(earlier), called(later))),
         el("ul", {}, ...saidOf(change).map((sentence) => el("li", {}, sentence))),
         ...[...change.doubts, change.missing ?? ""].filter((each) => each !== "").map((each) => el("p", { class: "look-here" }, each)),
-        change.map === null ? null : el("img", { class: "visit-map", src: `${place}/change.png?${pair}&drawn=${drawn}`, alt: words.map, loading: "lazy" }),
-        change.map === null ? null : el("a", { class: "button outlined", href: `${place}/change.glb?${pair}`, download: words.file }, icon("download"), el("span", {}, words.file)),
+        ...(change.map === null ? [] : mapOf(earlier.scan, pair, place, turn)),
       );
     }),
   );

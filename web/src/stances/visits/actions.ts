@@ -1,5 +1,6 @@
 // The visits of a patient: on which day each scan was taken, as a person says it, and what changed between the days.
 import type { Client } from "../../api/client";
+import type { Frame } from "../../api/types";
 import type { ScanSlice } from "../../scan/state";
 import type { PageSlice } from "../../store/page";
 import { messageOf, withProblem } from "../../store/problems";
@@ -39,6 +40,17 @@ export function visitsActions(store: Store<State>, client: Client) {
     },
 
     close: (): void => put({ isOpen: false }),
+
+    /** The map of a change on the body of an earlier scan, and which way that faces; null after a sentence on why not. */
+    async change(address: string, earlier: string): Promise<{ glb: ArrayBuffer; frame: Frame } | null> {
+      try {
+        const [glb, { frame }] = await Promise.all([client.bytes(address), client.scan(earlier)]);
+        return { glb, frame };
+      } catch (error) {
+        store.set((state) => withProblem(state, "stances", messageOf(error)));
+        return null;
+      }
+    },
 
     /** An empty day is one that is not known. */
     say: (scan: string, day: string, label: string): Promise<void> =>

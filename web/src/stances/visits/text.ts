@@ -18,5 +18,13 @@ export const visits = {
   largest: (side: string, mm: string, band: string) => word("stances.visits.largest", { side, mm, band }),
   unsaid: (side: string, band: string) => word("stances.visits.unsaid", { side, band }),
   map: word("stances.visits.map"),
+  colours: word("stances.visits.colours"),
+  turn: word("stances.visits.turn"),
+  body: word("stances.visits.body"),
+  here: (mm: string) => word("stances.visits.here", { mm }),
+  within: (band: string) => word("stances.visits.within", { band }),
+  wentIn: word("stances.visits.wentIn"),
+  cameOut: word("stances.visits.cameOut"),
+  notCompared: word("stances.visits.notCompared"),
   file: "change.glb",
 };
