@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from helpers.cases import data_folder, new_case, new_scan
+from pypdf import PdfReader
 
 from breastrig.audit.read import lines_from
 from breastrig.cli.main import main
@@ -52,6 +53,9 @@ def test_the_command_line_writes_and_reads_the_log(tmp_path: Path, capsys: pytes
     assert main(["audit", "list", str(data), "--since", "2999-01-01"]) == 0
     assert main(["audit", "certificate", str(data), case.id, "-o", str(tmp_path / "deleted.pdf")]) == 0
     assert (tmp_path / "deleted.pdf").read_bytes().startswith(b"%PDF")
+    german = ["--language", "de", "--force", "-o", str(tmp_path / "deleted.pdf")]
+    assert main(["audit", "certificate", str(data), case.id, *german]) == 0
+    assert PdfReader(tmp_path / "deleted.pdf").pages[0].extract_text().startswith("Bescheinigung einer Löschung")
     assert main(["audit", "certificate", str(data), "x" * 22, "-o", str(tmp_path / "none.pdf")]) == 2
     assert "has no deletion of this id" in capsys.readouterr().err
     assert main(["audit", "check", str(data)]) == 0

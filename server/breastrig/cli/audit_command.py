@@ -11,7 +11,7 @@ from pathlib import Path
 from breastrig.audit.certificate import certificate
 from breastrig.audit.read import check, lines_from, read_mark
 from breastrig.cases.layout import MARK
-from breastrig.cli.options.output_options import writing_file
+from breastrig.cli.options.output_options import add_language, writing_file
 from breastrig.core.errors import BadInput
 from breastrig.core.private_files import shown
 
@@ -35,6 +35,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
             action.add_argument("id", metavar="ID", help="of a patient or scan that was deleted")
             action.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="the PDF, one A4 page")
             action.add_argument("--force", action="store_true", help="replace a file")
+            add_language(action)
         else:
             action.add_argument("--of", default="", metavar="ID", help="lines that name a patient, scan, fit or link")
             action.add_argument(
@@ -53,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
             print(json.dumps(line))
         return 0
     if options.action == "certificate":
-        content = certificate(options.data, options.id).pdf()
+        content = certificate(options.data, options.id).pdf(options.language)
         with writing_file(options) as write:
             write(content)
         return 0
