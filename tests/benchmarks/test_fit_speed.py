@@ -19,7 +19,7 @@ from breastrig.fitting.fit import FitIterate, FitTask, fit_iterates
 from breastrig.fitting.recipe import Recipe, load_recipe
 from breastrig.geometry.normals import VertexNormals
 from breastrig.rig.normal_equations import normal_equations
-from breastrig.rig.skinning import Posed, pose
+from breastrig.rig.skinning import in_pose, pose
 
 Row = Callable[..., None]
 Floor = Callable[[], Any]
@@ -68,13 +68,13 @@ def test_matching(benchmark: Any, row: Row, in_turn: InTurn, floor: Floor, near:
 
 def test_rows_of_the_jacobian(benchmark: Any, row: Row, in_turn: InTurn, floor: Floor, near: FitTask) -> None:
     everyone = np.arange(len(near.rig.template))
-    normals, posed = np.tile([0.0, 0.0, 1.0], (len(everyone), 1)), Posed(near.rig, near.start)
+    normals, posed = np.tile([0.0, 0.0, 1.0], (len(everyone), 1)), in_pose(near.rig, near.start)
     part(benchmark, row, in_turn(floor), "rows of the Jacobian, all vertices", lambda: posed.rows(everyone, normals))
 
 
 def test_normal_equations(benchmark: Any, row: Row, in_turn: InTurn, floor: Floor, near: FitTask) -> None:
     everyone, residual = np.arange(len(near.rig.template)), np.ones(len(near.rig.template))
-    normals, posed = np.tile([0.0, 0.0, 1.0], (len(everyone), 1)), Posed(near.rig, near.start)
+    normals, posed = np.tile([0.0, 0.0, 1.0], (len(everyone), 1)), in_pose(near.rig, near.start)
     name = "normal equations by structure, all vertices"
     part(benchmark, row, in_turn(floor), name, lambda: normal_equations(posed, everyone, normals, residual))
 

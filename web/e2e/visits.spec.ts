@@ -7,12 +7,21 @@ test("one scan brought twice, two days: nothing is said to have changed, and the
   await fittedExample(page, base, { stances: ["standing", "standing"] });
   await page.locator("#visits").click();
   const dialog = page.locator("dialog.visits");
+  const sent: string[] = [];
+  page.on("request", (request) => request.method() === "PUT" && request.url().endsWith("/visit") && sent.push(request.postData()!));
   await expect(dialog).toContainText("The day of a scan is missing");
   const rows = dialog.locator(".visit-scans li");
   await expect(rows).toHaveCount(2);
   for (const [i, day] of ["2026-03-01", "2026-09-01"].entries()) {
-    await rows.nth(i).getByLabel("Day of the scan").fill(day);
-    await rows.nth(i).getByLabel("Day of the scan").press("Tab");
+    await rows.nth(i).getByLabel("Day of the scan").focus();
+    const [year, month, date] = day.split("-");
+    await page.keyboard.type(`${month}${date}`);
+    for (const digit of year!) {
+      await page.keyboard.type(digit);
+      await expect.poll(async () => (await hook.state(page)).stances.visits.isBusy, "answers come while the year is typed").toBe(false);
+    }
+    await expect(rows.nth(i).getByLabel("Day of the scan")).toBeFocused();
+    await rows.nth(i).getByLabel("Name of the visit").focus();
     await expect.poll(async () => (await hook.state(page)).stances.visits.days?.filter(({ date }) => date !== null).length).toBe(i + 1);
     await expect.poll(async () => (await hook.state(page)).stances.visits.isBusy).toBe(false);
   }
@@ -49,5 +58,6 @@ test("one scan brought twice, two days: nothing is said to have changed, and the
   await rows.nth(1).getByLabel("Name of the visit").press("Tab");
   expect(await (await renamed).text(), "the plot is drawn anew, not taken from the browser's memory").toContain("6 months");
   await expect(dialog.getByRole("heading", { level: 3 })).toHaveText("Standing: from 2026-03-01 to 2026-09-01, 6 months");
+  expect(sent.filter((each) => !each.includes('"2026-')), "no year is taken before it is whole").toEqual([]);
   expect(troubles).toEqual([]);
 });

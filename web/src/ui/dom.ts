@@ -33,17 +33,24 @@ export function show(element: HTMLElement, isShown: boolean): void {
 let typed: Element | null = null;
 const afterwards = new Map<Element, () => void>(); // what to fill as soon as that is said
 
-/** Replaces the children when `key` differs from the last one given for this element; while somebody types into one of them, afterwards. */
-export function fill(element: HTMLElement, key: unknown, make: () => Child[]): void {
+/**
+ * Replaces the children when `key` differs from the last one given for this element; while somebody types into one of them,
+ * afterwards, and then calls `late`.  False where they are to be replaced.
+ */
+export function fill(element: HTMLElement, key: unknown, make: () => Child[], late?: () => void): boolean {
   afterwards.delete(element);
   const written = JSON.stringify(key);
-  if (element.dataset.key === written) return;
-  if (typed && element.contains(typed)) {
-    afterwards.set(element, () => fill(element, key, make));
-    return;
+  if (element.dataset.key === written) return true;
+  if (typed && typed === document.activeElement && element.contains(typed)) {
+    afterwards.set(element, () => {
+      fill(element, key, make);
+      late?.();
+    });
+    return false;
   }
   element.dataset.key = written;
   element.replaceChildren(...make().filter((child) => child !== null));
+  return true;
 }
 
 function typingEnds(): void {
@@ -54,8 +61,10 @@ function typingEnds(): void {
 /** Once a page, so that nothing is lost of what is typed. */
 export function watchTyping(): void {
   document.addEventListener("input", ({ target }) => (typed = target instanceof Element && target.matches("input:not([type=checkbox], [type=radio], [type=range], [type=file]), textarea") ? target : null), true);
-  document.addEventListener("change", () => (typed = null), true); // before who listens to the field: what it says is shown at once
-  document.addEventListener("change", typingEnds);
+  document.addEventListener("change", ({ target }) => {
+    if (!(target instanceof Element && target.matches("[type=date]"))) typed = null; // before who listens to the field: what it says is shown at once
+  }, true);
+  document.addEventListener("change", () => typed ?? typingEnds()); // a day is changed by each digit of its year
   document.addEventListener("focusout", typingEnds);
 }
 

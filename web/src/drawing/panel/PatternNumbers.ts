@@ -118,7 +118,7 @@ export function createPatternNumbers(part: LivePart, drawing: Pick<DrawingAction
     const on = session.scan?.info.id;
     if (shownOn !== on) depth.drop();
     shownOn = on;
-    fill(table, [info.name, columns, on], () => made(info, columns));
+    if (!fill(table, [info.name, columns, on], () => made(info, columns), () => state && update(state))) return; // the numbers of another pattern, one of which is being typed
     const more = table.querySelector("details");
     if (more && isOpen) more.open = true;
     if (focused && !table.contains(document.activeElement)) table.querySelector<HTMLElement>(`[data-parameter="${focused}"]`)?.focus(); // a side was chosen

@@ -19,6 +19,7 @@ const words = text.visits;
 const SIDES = ["left", "right"] as const;
 const NAMES = "visit-names";
 const LONGEST = 60; // characters of a visit's name
+const FIRST_DAY = "1900-01-01"; // of the service
 
 type Shown = Pick<PageSlice & ScanSlice & StancesSlice, "problems" | "scan" | "stances">;
 type Stance = VisitsFile["stances"][number];
@@ -55,10 +56,13 @@ export function createVisitsDialog(actions: VisitsActions, dismiss: () => void):
   );
 
   function row({ id, stance, created_at, thumbnail }: PatientScan, visit: ScanVisit | undefined): HTMLElement {
-    const day = el("input", { type: "date", value: visit?.date ?? "", "aria-label": words.day });
+    const day = el("input", { type: "date", min: FIRST_DAY, value: visit?.date ?? "", "aria-label": words.day });
     const name = el("input", { type: "text", list: NAMES, maxlength: LONGEST, value: visit?.label ?? "", placeholder: words.name, "aria-label": words.name });
-    const say = (): void => void actions.say(id, day.value, name.value);
+    const say = (): void => {
+      if (day.validity.valid) void actions.say(id, day.value, name.value); // else its year is being typed
+    };
     for (const each of [day, name]) each.addEventListener("change", say);
+    day.addEventListener("blur", () => day.validity.rangeUnderflow && void actions.say(id, day.value, name.value)); // the service says why not
     return el("li", { "data-scan": id }, el("img", { src: thumbnail, alt: "", width: 48, height: 46 }), el("span", {}, `${capital(stance)}, ${received.format(new Date(created_at))}`), day, name);
   }
 

@@ -13,6 +13,8 @@ export function visitsActions(store: Store<State>, client: Client) {
   const put = (part: Partial<VisitsState>): void => store.set(({ stances }) => ({ stances: { ...stances, visits: { ...stances.visits, ...part } } }));
   const patient = (): string | undefined => store.get().scan?.info.patient;
 
+  let said = Promise.resolve(); // one after the other: what was said last counts
+
   /** Asks the service; an answer for a patient who is not on the page any more is dropped. */
   async function forPatient(ask: (of: string) => Promise<Partial<VisitsState>>): Promise<void> {
     const of = patient();
@@ -54,10 +56,12 @@ export function visitsActions(store: Store<State>, client: Client) {
 
     /** An empty day is one that is not known. */
     say: (scan: string, day: string, label: string): Promise<void> =>
-      forPatient(async (of) => {
-        await client.putVisit(scan, day === "" ? null : day, label);
-        return read(of);
-      }),
+      (said = said.then(() =>
+        forPatient(async (of) => {
+          await client.putVisit(scan, day === "" ? null : day, label);
+          return read(of);
+        }),
+      )),
   };
 }
 
