@@ -185,6 +185,7 @@ def test_a_deletion_is_certified_to_who_deleted_and_to_administrators(
         "sind, wie sie geschrieben wurden",
     ):
         assert part in german, (part, german)
+    assert not re.search(r"\b(verified|cover|place|signature|Removed|Asked|Issued|lines)\b", german)
     monkeypatch.setattr(audited, "current_person", lambda: bert)
     monkeypatch.setattr(administration, "current_person", lambda: bert)
     assert client.get(place).status_code == 403
