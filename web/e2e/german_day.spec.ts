@@ -66,6 +66,10 @@ test("a day in German: scan, landmarks, fit, plan, second scan, measures, hand o
     await look("carried");
     await page.locator(".thumb[data-stance=standing]").click();
     await look("side by side");
+    await page.locator("#visits").click();
+    await expect(page.getByRole("dialog", { name: said("stances.visits.title") }).getByText(word("stances.visits.none"))).toBeVisible();
+    await look("visits");
+    await page.keyboard.press("Escape");
   });
 
   await test.step("measures, and what is handed over", async () => {

@@ -120,7 +120,10 @@ export function createVisitsDialog(actions: VisitsActions, dismiss: () => void):
   };
 }
 
-const called = ({ date, label }: Stance["visits"][number]): string => (label === "" ? date : `${date}, ${label}`);
+function called({ date, label }: Stance["visits"][number]): string {
+  const day = new Intl.DateTimeFormat(locale(), { dateStyle: "medium", timeZone: "UTC" }).format(new Date(date)); // a day without a time is one of UTC
+  return label === "" ? day : `${day}, ${label}`;
+}
 
 /** A part of pictures' addresses, so that no earlier one is shown for another day, name or fit. */
 let drawn = Date.now();
