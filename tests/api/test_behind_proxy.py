@@ -156,10 +156,11 @@ def test_uploads_of_strangers_are_refused_with_our_own_sentence(behind: Behind, 
     assert (refused.status_code, refused.headers["Content-Type"]) == (401, "application/problem+json")
 
 
-def test_too_large_an_upload_is_refused_with_our_own_sentence_before_it_is_sent(behind: Behind) -> None:
+@pytest.mark.parametrize("proxy", ["nginx", "caddy"])
+def test_too_large_an_upload_is_refused_with_our_own_sentence_before_it_is_sent(behind: Behind, proxy: str) -> None:
     announced = {"Content_Type": "multipart/form-data; boundary=b", "Content_Length": 1_074_000_000}
     with (
-        connected(behind.proxy_ports["nginx"]) as plain,  # Caddy waits for some of what was announced
+        connected(behind.proxy_ports[proxy]) as plain,
         behind.trust.wrap_socket(plain, server_hostname=NAME) as connection,
     ):
         connection.sendall(request("/api/scans", "POST", Host=NAME, **announced, **BEARER))

@@ -226,3 +226,9 @@ def test_a_provider_of_another_name_and_none_are_not_believed(client_for, config
         browser = client_for(replace(config, people=people.model_copy(update={"issuer": issuer})))
         answer = browser.get("/sign-in/start")
         assert (answer.status_code, "did not succeed" in answer.get_data(as_text=True)) == (502, True)
+
+
+def test_a_claim_that_holds_no_groups_is_a_sentence(client_for, config: Config, people: People) -> None:
+    browser = client_for(replace(config, people=people.model_copy(update={"groups_claim": "exp"})))  # a number
+    answer = sign_in(browser, "anna")
+    assert (answer.status_code, "did not succeed" in answer.get_data(as_text=True)) == (401, True)

@@ -101,13 +101,13 @@ class Provider:
                     if more["sub"] != claims["sub"]:
                         raise ValueError("userinfo is of somebody else")
                     named, claims = _at(more, self._people.groups_claim), {**more, **claims}
+                groups = {named} if isinstance(named, str) else {str(one).lstrip("/") for one in named or ()}
         finally:
             session.clear()
         asked_at = claims.get("auth_time")
         if self._people.prompt == "login" and isinstance(asked_at, int | float) and asked_at < began - LATE_S:
             raise NotSignedIn("The provider did not ask for your password again; sign in once more.")
         name = next((str(claims[one]) for one in ("name", "preferred_username") if claims.get(one)), str(claims["sub"]))
-        groups = {named} if isinstance(named, str) else {str(one).lstrip("/") for one in named or ()}
         person = self._people.person(str(claims["sub"]), name, groups)
         if person is None:
             raise NotSignedIn(f"{name} is in none of the groups that may use this service; ask its administrator.")
