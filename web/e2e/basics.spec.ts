@@ -1,7 +1,7 @@
 // Files that are refused, landmark files, Back and Forward, what is not saved.
 import { writeFileSync } from "node:fs";
 import { expect } from "@playwright/test";
-import { example, hook, more, SCAN_FILE, test, withoutEndOfTime } from "./page";
+import { example, fittedExample, hook, more, SCAN_FILE, test, until, untilFitted, withoutEndOfTime } from "./page";
 
 test.use({ contextOptions: { reducedMotion: "no-preference" } }); // with its motion, as most people see it
 
@@ -131,4 +131,21 @@ test("landmarks that the service does not take are asked about before another pa
   await page.goForward();
   await hook.ready(page);
   expect(await hook.pickCount(page)).toBe(12);
+});
+
+test("who goes to another step while the second scan is still on its way stays there", async ({ page, base, troubles }) => {
+  const [, second] = await fittedExample(page, base, { stances: ["standing", "supine"] });
+  let release!: () => void;
+  const held = new Promise<void>((done) => (release = done));
+  await page.route(`**/api/scans/${second!.scan.id}`, async (route) => held.then(() => route.continue()));
+  await page.reload();
+  await hook.ready(page);
+  await untilFitted(page);
+  expect((await hook.state(page)).step, "as the address says").toBe("plan");
+  await page.locator("#tab-handover").click();
+  release();
+  await until(page, () => window.__breastrig!.state().stances.other);
+  await expect.poll(() => page.evaluate(() => location.hash)).toContain("step=handover");
+  expect((await hook.state(page)).step).toBe("handover");
+  expect(troubles).toEqual([]);
 });

@@ -2,6 +2,7 @@
 // or a person changes it, writes it when something else is shown.  Another patient, another step and the other stance are
 // entries of the browser's history: Back undoes them one by one, and asks before it leaves unsaved work.
 import type { Frame } from "../api/types";
+import type { Step } from "../store/page";
 import type { Store } from "../store/store";
 import type { Actions } from "./actions";
 import { fromHash, type PageAddress, toHash } from "./address";
@@ -36,6 +37,8 @@ export async function followAddress(store: Store<Session>, actions: Actions): Pr
   async function go(to: PageAddress, isOurs: boolean): Promise<void> {
     const { scan, fit, step, frame, other, ...stances } = to;
     const before = store.get();
+    const gone = actions.page.gone();
+    let left: readonly (Step | null)[] = [before.step]; // steps at which what is done here leaves the page
     const shown = before.scan?.info.id;
     if (scan === null) {
       if (shown !== undefined) await actions.scan.leave();
@@ -43,6 +46,7 @@ export async function followAddress(store: Store<Session>, actions: Actions): Pr
     }
     if (scan !== shown && scan === before.stances.other?.scan?.info.id) await actions.stances.swap();
     else if (scan !== shown) {
+      left = ["body", step];
       const isThere = await actions.scan.open(scan, frame);
       if (isThere && fit !== null) await actions.fit.open(fit, step);
       if (isThere && other && other.scan !== store.get().stances.other?.scan?.info.id) {
@@ -52,7 +56,8 @@ export async function followAddress(store: Store<Session>, actions: Actions): Pr
     } else if (!isOurs && fit !== null && fit !== (before.fit?.id ?? null)) await actions.fit.open(fit, step);
     const now = store.get();
     const isRunning = now.fit?.state === "running" && !isOurs; // then the step that shows it
-    if (step !== null && step !== now.step && !isRunning) actions.page.goTo(step);
+    const isElsewhere = gone !== actions.page.gone() || !left.includes(now.step); // somebody went on while the second scan was still coming
+    if (step !== null && step !== now.step && !isRunning && !isElsewhere) actions.page.goTo(step);
   }
 
   async function open(isOurs: boolean): Promise<void> {

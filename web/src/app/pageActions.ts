@@ -9,8 +9,12 @@ const THEMES: Theme[] = ["system", "light", "dark"];
 const after = <Item>(items: readonly Item[], item: Item): Item => items[(items.indexOf(item) + 1) % items.length] ?? item;
 
 export function pageActions(store: Store<Session>, onLandmarks: () => void) {
+  let gone = 0;
   return {
+    /** How often somebody went to a step. */
+    gone: (): number => gone,
     goTo(step: Step): void {
+      gone += 1;
       store.set((state) => ({ step, active: step === "points" ? state.active : null, drawn: step === "plan" ? state.drawn : handsOff(state.drawn) }));
       if (step === "points") onLandmarks();
     },

@@ -35,7 +35,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
   let unseen: FitLinks | null = null; // of a fit that runs, while the page still shows the one before
   let timer: ReturnType<typeof setTimeout> | undefined;
   let askedAt = -Infinity;
-  let stepAfter: Step | null = null; // of a fit that is opened: where the page goes with its result
+  let stepAfter: { readonly from: Step; readonly to: Step } | null = null; // of a fit that is opened: where the page goes with its result, unless somebody has gone on
   let past: readonly Iterated[] | null = null; // of a fit that was done when it was opened: it is seen as it ended, and settles for nobody again
 
   /** Nobody follows what ran until now; a fit that was asked for in the meantime still comes. */
@@ -119,7 +119,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
     done: ({ body }) => {
       const said = [text.fit.announceDone(formatMm(body.result.surface_distance_mm.mean)), verdictWords(body.result), linesWords(body.result)].join(" ").trim();
       const upright = straightenedByFit(store.get(), frameOfRig(body.result));
-      change({ state: "done", result: body.result, ...(past ? { iterations: past, shown: past.length - 1 } : {}) }, { ...upright, ...(stepAfter === null ? {} : { step: stepAfter }) });
+      change({ state: "done", result: body.result, ...(past ? { iterations: past, shown: past.length - 1 } : {}) }, { ...upright, ...(stepAfter?.from === store.get().step ? { step: stepAfter.to } : {}) });
       stepAfter = past = null;
       const list = store.get().meta?.landmarks ?? [];
       const asked = openQuestions(store.get()).map((question) => sentenceOf(question, list));
@@ -230,7 +230,7 @@ export function fitActions(store: Store<State>, client: Client, player: Player, 
         store.set(asked);
         const isOver = fit.state === "done";
         follow({ ...blankFit(fit.id, fit.links), playing: !isOver, drawingName: fit.drawing, picks: picksOf({ landmarks: fit.landmarks, marks: fit.marks, unit: "mm" }), certain: fit.certain, asked, cuts: fit.cuts });
-        if (isOver) [stepAfter, past] = [step, []];
+        if (isOver) [stepAfter, past] = [step && { from: store.get().step, to: step }, []];
       } catch (error) {
         store.set((state) => withProblem(state, "fit", messageOf(error)));
       }
