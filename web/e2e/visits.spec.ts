@@ -58,6 +58,17 @@ test("one scan brought twice, two days: nothing is said to have changed, and the
   await rows.nth(1).getByLabel("Name of the visit").press("Tab");
   expect(await (await renamed).text(), "the plot is drawn anew, not taken from the browser's memory").toContain("6 months");
   await expect(dialog.getByRole("heading", { level: 3 })).toHaveText(/^Standing: from 1 Mar 2026 to 1 Sept? 2026, 6 months$/);
+  await test.step("half a day beside a new name is asked for; no day is taken away", async () => {
+    const before = sent.length;
+    await rows.nth(0).getByLabel("Day of the scan").focus();
+    await page.keyboard.press("Backspace"); // its month
+    await rows.nth(0).getByLabel("Name of the visit").fill("before");
+    await rows.nth(0).getByLabel("Name of the visit").press("Enter");
+    await expect(rows.nth(0).getByLabel("Day of the scan")).toBeFocused();
+    expect(sent.length).toBe(before);
+    await page.keyboard.type("03");
+    await expect.poll(async () => (await hook.state(page)).stances.visits.days?.map(({ label }) => label)).toContain("before");
+  });
   expect(sent.filter((each) => !each.includes('"2026-')), "no year is taken before it is whole").toEqual([]);
   expect(troubles).toEqual([]);
 });

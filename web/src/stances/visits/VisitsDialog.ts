@@ -58,11 +58,10 @@ export function createVisitsDialog(actions: VisitsActions, dismiss: () => void):
   function row({ id, stance, created_at, thumbnail }: PatientScan, visit: ScanVisit | undefined): HTMLElement {
     const day = el("input", { type: "date", min: FIRST_DAY, value: visit?.date ?? "", "aria-label": words.day });
     const name = el("input", { type: "text", list: NAMES, maxlength: LONGEST, value: visit?.label ?? "", placeholder: words.name, "aria-label": words.name });
-    const say = (): void => {
-      if (day.validity.valid) void actions.say(id, day.value, name.value); // else its year is being typed
-    };
-    for (const each of [day, name]) each.addEventListener("change", say);
-    day.addEventListener("blur", () => day.validity.rangeUnderflow && void actions.say(id, day.value, name.value)); // the service says why not
+    const say = (): void => void actions.say(id, day.value, name.value);
+    day.addEventListener("change", () => day.validity.valid && say()); // else its year is being typed
+    name.addEventListener("change", () => day.reportValidity() && say()); // half a day is asked for, and not taken for none
+    day.addEventListener("blur", () => day.validity.rangeUnderflow && say()); // the service says why not
     return el("li", { "data-scan": id }, el("img", { src: thumbnail, alt: "", width: 48, height: 46 }), el("span", {}, `${capital(stance)}, ${received.format(new Date(created_at))}`), day, name);
   }
 
