@@ -52,7 +52,8 @@ def certificate(root: Path, of: str) -> Certificate:
         ("Scans (random ids)", ", ".join(removes["scan_ids"]) or "none"),
         (
             "Removed",
-            f"scans: {scans}, fits: {fits}, links: {links}, files: {files} ({megabytes:.1f} MB); what was planned",
+            f"scans: {scans}, fits: {fits}, links: {links}, files: {files} "
+            f"({megabytes:.1f} MB), and what was planned on these scans",
         ),
         ("Asked for", f"{asked['at']} (UTC)"),
         ("Asked by", Typed(f"{who}, {asked.get('how', '')}")),
